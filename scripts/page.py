@@ -1,7 +1,7 @@
 """Build the operator page: ``web/`` into ``app/console/static``. Standard library only.
 
-Used twice: by the set-up behind the Makefile (dev.py) and by the wheel's build hook (hatch_build.py). Whether a page is
-current is judged by a hash of its sources, as a checkout does not keep modification times.
+Used twice: by the set-up behind the Makefile (environment.py) and by the wheel's build hook (hatch_build.py). Whether
+a page is current is judged by a hash of its sources, as a checkout does not keep modification times.
 """
 
 from __future__ import annotations

@@ -14,7 +14,8 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from app.attention.desires import GRAIN, SCALE, Desire, Source, strongest_first
 from app.attention.problem import SelectionProblem
-from app.attention.strategies import StrategyFile, StrategyTable, build_table
+from app.attention.strategies import StrategyTable
+from app.attention.strategy_file import StrategyFile, build_table
 from app.base.yaml_source import Document, load_yaml, suggestion
 
 _HERE = Source("operator", "hbba solve")

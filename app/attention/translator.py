@@ -14,8 +14,8 @@ from collections.abc import Awaitable, Callable, Collection, Mapping
 from dataclasses import dataclass, replace
 from typing import Any, Final
 
+from app.attention.budgets import Budgets
 from app.attention.cached_solver import CachedSolver
-from app.attention.desires import GRAIN
 from app.attention.explaining import EXPLAIN_S, Explainer
 from app.attention.hysteresis import HysteresisState, SelectionHysteresis
 from app.attention.intention import Intention, divisors_of, parameters_of
@@ -24,7 +24,7 @@ from app.attention.prepared import prepare
 from app.attention.problem import Selection, SelectionProblem, Weights, assess
 from app.attention.retry import Retry
 from app.attention.solver import SolverFailed
-from app.attention.strategies import MOST, StrategyTable
+from app.attention.strategies import StrategyTable
 from app.attention.timeline import Timeline
 from app.attention.timeline_writer import note_desires, note_filters, note_intention
 from app.attention.workspace import IntentionWorkspace, WorkspaceChange
@@ -96,9 +96,7 @@ class IntentionTranslator:
         self._retry = Retry(timeline)
         self._offload = offload
         self._prepared = prepare(table.strategies)
-        self._budgets = table.capacities()
-        #: Of the budgets, what pressure leaves; 1 where nothing is said.
-        self._shares: dict[str, float] = {}
+        self._budgets = Budgets(table.capacities(), timeline)
         #: By class, what is to be said with its reason.
         self._remarks: dict[str, str] = {}
         self._observers: Observers[[Intention]] = Observers("the intention")
@@ -124,12 +122,12 @@ class IntentionTranslator:
     @property
     def capacities(self) -> Mapping[str, float]:
         """What attention may give now: the budgets, less what pressure on the computer takes of them."""
-        return {name: _grained(budget * self._shares.get(name, 1.0)) for name, budget in self._budgets.items()}
+        return self._budgets.left()
 
     @property
     def budgets(self) -> Mapping[str, float]:
         """The budgets as they were set last."""
-        return dict(self._budgets)
+        return self._budgets.whole()
 
     def observe(self, callback: Callable[[Intention], None]) -> Callable[[], None]:
         """Call ``callback`` with every intention applied, and again once its reasons are complete; returns a function
@@ -151,36 +149,14 @@ class IntentionTranslator:
 
     def set_capacity(self, resource: str, value: float, reason: str) -> None:
         """Change a budget and solve again. ``reason`` goes to the timeline. Raises ValueError."""
-        self._known(resource)
-        if not 0 <= value <= MOST:
-            raise ValueError(f"the capacity of {resource} must be from 0 to {MOST:,.0f}, not {value!r}")
-        before, after = self._budgets[resource], _grained(value)
-        if after == before:
-            return
-        self._budgets[resource] = after
-        text = f"{resource} may now use {after:g} instead of {before:g}: {reason}"
-        self._timeline.add("capacity", resource, text, {"before": before, "after": after, "reason": reason})
-        self._touch()
+        if self._budgets.set(resource, value, reason):
+            self._touch()
 
     def set_share(self, resource: str, share: float, reason: str) -> None:
         """Leave attention ``share`` (0 to 1) of a budget, which stays set, and solve again. ``reason`` goes to the
         timeline. Raises ValueError."""
-        self._known(resource)
-        if not 0 <= share <= 1:
-            raise ValueError(f"the share of {resource} must be from 0 to 1, not {share!r}")
-        before = self.capacities[resource]
-        self._shares[resource] = share
-        after = self.capacities[resource]
-        if after == before:
-            return
-        text = f"{resource} may now use {after:g} of its {self._budgets[resource]:g}: {reason}"
-        data = {"before": before, "after": after, "budget": self._budgets[resource], "reason": reason}
-        self._timeline.add("capacity", resource, text, data)
-        self._touch()
-
-    def _known(self, resource: str) -> None:
-        if resource not in self._budgets:
-            raise ValueError(f"no resource {resource!r}; there are: {', '.join(self._budgets)}")
+        if self._budgets.share(resource, share, reason):
+            self._touch()
 
     def set_costs(self, costs: Mapping[str, Mapping[str, float]], reason: str) -> None:
         """Change what strategies cost, by name and resource, and solve again. Raises ValueError for a strategy or a
@@ -427,7 +403,3 @@ class IntentionTranslator:
         self._timer.set()
         if note_desires(self._timeline, change):
             self._touch()
-
-
-def _grained(value: float) -> float:
-    return math.floor(value * GRAIN + 1e-6) / GRAIN

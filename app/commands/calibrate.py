@@ -216,7 +216,7 @@ def _newest() -> Path:
 
 
 def _table(configuration: Configuration) -> StrategyTable:
-    from app.attention.strategies import load_strategies
+    from app.attention.strategy_file import load_strategies
     from app.program.desire_classes import desire_classes
 
     files = [configuration.path(file) for file in configuration.program.strategies]

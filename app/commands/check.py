@@ -169,7 +169,7 @@ def _problem(path: Path) -> None:
 
 def _strategies(path: Path) -> tuple[str, ...]:
     """Check a table by itself, then every program in the folder above that uses it, for its classes and ports."""
-    from app.attention.strategies import load_strategies
+    from app.attention.strategy_file import load_strategies
 
     load_strategies([path], classes=None)
     programs = _programs_naming(path)

@@ -21,7 +21,8 @@ from app.attention.hysteresis import SelectionHysteresis
 from app.attention.lanes import LaneMonitor, LaneSampler
 from app.attention.problem import Weights
 from app.attention.rule_book import RuleBook
-from app.attention.strategies import StrategyTable, load_strategies, trimmed
+from app.attention.strategies import StrategyTable, trimmed
+from app.attention.strategy_file import load_strategies
 from app.attention.timeline import Timeline
 from app.attention.translator import IntentionTranslator
 from app.attention.workspace import IntentionWorkspace, random_id

@@ -9,7 +9,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from app.attention.calibration import CostCalibration, CostFit, Point, Relation, load_cost_calibration
-from app.attention.strategies import StrategyTable, load_strategies
+from app.attention.strategies import StrategyTable
+from app.attention.strategy_file import load_strategies
 from app.base.errors import ConfigError
 
 FILE = """\

@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from app.attention.closed_loop import ClosedLoop
 from app.attention.desires import Desire, Source
 from app.attention.problem import SelectionProblem
-from app.attention.strategies import StrategyTable, load_strategies
+from app.attention.strategies import StrategyTable
+from app.attention.strategy_file import load_strategies
 from app.base import paths
 from app.experiments.closed_loop.modelled import Conditions, ModelledRobot, Moment
 

@@ -7,7 +7,8 @@ from pathlib import Path
 import pytest
 
 from app.attention.calibration import CostCalibration, CostFit, Point, Relation
-from app.attention.strategies import Strategy, StrategyTable, load_strategies
+from app.attention.strategies import Strategy, StrategyTable
+from app.attention.strategy_file import load_strategies
 from app.base.errors import ConfigError
 
 FAMILY = """\

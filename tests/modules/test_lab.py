@@ -10,7 +10,8 @@ import pytest
 from app.attention.desires import DesireClass, Source
 from app.attention.problem import SelectionProblem
 from app.attention.solver import solve
-from app.attention.strategies import Strategy, StrategyTable, load_strategies
+from app.attention.strategies import Strategy, StrategyTable
+from app.attention.strategy_file import load_strategies
 from app.attention.workspace import IntentionWorkspace
 from app.base.yaml_source import load_yaml
 from app.link import RobotLink

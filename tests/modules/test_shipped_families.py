@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from app.attention.strategies import load_strategies
+from app.attention.strategy_file import load_strategies
 from app.program.config import load_configuration
 from app.program.desire_classes import desire_classes
 

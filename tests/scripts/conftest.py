@@ -66,9 +66,29 @@ def ros_environment(installing: ModuleType) -> Iterator[ModuleType]:
 
 
 @pytest.fixture(scope="session")
+def running() -> Iterator[ModuleType]:
+    yield _load("running")
+    del sys.modules["running"]
+
+
+@pytest.fixture(scope="session")
+def environment(page: ModuleType, installing: ModuleType, running: ModuleType) -> Iterator[ModuleType]:
+    yield _load("environment")
+    del sys.modules["environment"]
+
+
+@pytest.fixture(scope="session")
+def debian_packages(page: ModuleType, running: ModuleType) -> Iterator[ModuleType]:
+    yield _load("debian_packages")
+    del sys.modules["debian_packages"]
+
+
+@pytest.fixture(scope="session")
 def dev(
     page: ModuleType,
     installing: ModuleType,
+    environment: ModuleType,
+    debian_packages: ModuleType,
     locking: ModuleType,
     alongside: ModuleType,
     parts: ModuleType,
@@ -77,6 +97,25 @@ def dev(
 ) -> Iterator[ModuleType]:
     yield _load("dev")
     del sys.modules["dev"]
+
+
+@pytest.fixture
+def checkout(environment: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A checkout with an environment that holds nothing yet."""
+    venv = tmp_path / ".venv"
+    (venv / "bin").mkdir(parents=True)
+    (venv / "bin" / "python").write_text("")
+    (tmp_path / "requirements").mkdir()
+    for name in ("pyproject.toml", "hatch_build.py", "requirements/run.lock"):
+        (tmp_path / name).write_text(name)
+    for name, value in {
+        "ROOT": tmp_path,
+        "VENV": venv,
+        "STAMP": venv / "installed.json",
+        "PYTHON": venv / "bin" / "python",
+    }.items():
+        monkeypatch.setattr(environment, name, value)
+    return tmp_path
 
 
 @pytest.fixture(scope="session")

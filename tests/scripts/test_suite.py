@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import subprocess
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
@@ -43,7 +44,7 @@ def commands(dev: ModuleType, monkeypatch: pytest.MonkeyPatch, failing: str | No
         # The patient ones leave out the others by options.
         return SimpleNamespace(returncode=int(failing in command))
 
-    monkeypatch.setattr(dev.subprocess, "run", run)
+    monkeypatch.setattr(subprocess, "run", run)
     return ran
 
 

@@ -10,7 +10,6 @@ import asyncio
 import secrets
 from collections.abc import Callable, Collection
 from contextlib import ExitStack
-from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -35,6 +34,7 @@ from app.console.live.protocol import CAMERA, COSTMAP, MAP, PANORAMA, PROTOCOL
 from app.console.live.sampler import Sampler
 from app.console.live.speech import OperatorSpeech
 from app.console.live.viewer import Viewer
+from app.console.live.viewer_status import ViewerStatus
 from app.console.playback import PERIOD_S, playback_report
 from app.console.recordings import RecorderWatch
 from app.console.taps import Tap
@@ -95,6 +95,7 @@ class Hub:
             self.notify,
             recording=playback is not None,
         )
+        self.status = ViewerStatus(self.driving, self.speech, system.clock.now)
 
     def _attention(self, cls: str) -> Presence | Spectators:
         """What makes come what class ``cls`` gives."""
@@ -255,51 +256,9 @@ class Hub:
             viewer.outbox.put_each(kind, (item,))
 
     def broadcast_status(self, status: messages.Status) -> None:
-        """Send ``status`` to every viewer, completed by driver, asker, speaker, ``waits``, ``slowed`` and ``share``. It
-        differs by viewer only in ``mine`` of the first three and in the last three: it is encoded once for all viewers
-        with the same."""
-        lease, speaker = self.driving.lease, self.speech.speaker
-        frames: dict[tuple[bool, bool, bool, str, str, float], str] = {}
-        for session, viewer in self._viewers.items():
-            waits, slowed, share = self.waits(viewer), self.slowed(viewer), self.share(viewer)
-            speaks = speaker is not None and session == speaker[0]
-            mine = (session == lease.driver, session == lease.asker, speaks, waits, slowed, share)
-            if mine not in frames:
-                name = lease.driver_name
-                own = replace(
-                    status,
-                    driver=None if name is None else messages.Driver(name, mine[0], lease.moving),
-                    speaker=None if speaker is None else messages.Speaker(speaker[1], speaks),
-                    asker=self._asker(mine[1]),
-                    waits=waits,
-                    slowed=slowed,
-                    share=share,
-                )
-                frames[mine] = frame("status", own)
-            viewer.outbox.put("status", frames[mine])
-
-    def _asker(self, mine: bool) -> messages.Asker | None:
-        lease = self.driving.lease
-        if lease.asker is None:
-            return None
-        left_s = lease.asked_at + drive_lease.ANSWER_WITHIN_S - self._system.clock.now()
-        return messages.Asker(lease.operators[lease.asker], mine, round(max(0.0, left_s), 1))
-
-    def waits(self, viewer: Viewer) -> str:
-        """Why the driving of ``viewer`` waits, in words; "": it does not."""
-        judged = viewer.age.last
-        return f"{judged.cause}: driving waits." if judged.lasting and self.driving.drivable else ""
-
-    def slowed(self, viewer: Viewer) -> str:
-        """Why the driving of ``viewer`` is slower than its stick says, in words; "": it is not."""
-        judged = viewer.age.last
-        if not judged.slowed or not self.driving.drivable:
-            return ""
-        return f"{judged.slowed[0].upper()}{judged.slowed[1:]}: {100 * self.share(viewer):.0f} % of the speed."
-
-    def share(self, viewer: Viewer) -> float:
-        """The share of its stick's speeds that ``viewer`` is given, 0 to 1, to two places."""
-        return round(viewer.age.last.share, 2) if self.driving.drivable else 1.0
+        """Send ``status`` to every viewer, completed for each."""
+        for viewer, text in self.status.frames(status, self._viewers.values()):
+            viewer.outbox.put("status", text)
 
     # --- What is subscribed to only while there are viewers ----------------------------------------------------------
 

@@ -46,7 +46,7 @@ def viewers_router(hub: Hub, view: View, ports: Ports | None) -> APIRouter:
                     driving=viewer.session == driver,
                     rtt_ms=viewer.rtt_ms,
                     late_ms=None if age_s is None else round(1e3 * age_s, 1),
-                    waits=hub.waits(viewer),
+                    waits=hub.status.waits(viewer),
                     waiting=counters.waiting,
                     sent=counters.taken,
                     replaced=counters.replaced,

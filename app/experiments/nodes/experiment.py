@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from app.attention.strategies import StrategyTable, load_strategies
+from app.attention.strategies import StrategyTable
+from app.attention.strategy_file import load_strategies
 from app.base.errors import ConfigError
 from app.base.yaml_source import suggestion
 from app.experiments.nodes.utility import Gain, gains

@@ -12,7 +12,7 @@ and no parameters. It listens on this computer alone, because the protocol knows
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Callable
 from contextlib import suppress
 from functools import partial
 from importlib import import_module
@@ -22,13 +22,9 @@ from pydantic import Field
 
 from app.logs.manifest import Manifest
 from app.logs.ros.encoder import Encoder
-from app.logs.ros.robot_description import robot_description
-from app.messages import EncodedImage, Image, Message, PointCloud
-from app.modules.viewers.topics import ShownTopics
-from app.runtime.channel_table import ChannelSpec, ChannelTable
-from app.runtime.errors import InboxOverflow, ModuleFailed
-from app.runtime.module import Module, ModuleContext, Settings
-from app.runtime.ports import Input
+from app.modules.viewers.channel_server import ChannelServer
+from app.runtime.errors import ModuleFailed
+from app.runtime.module import ModuleContext, Settings
 
 if TYPE_CHECKING:
     from foxglove import Channel
@@ -38,10 +34,6 @@ HOST = "127.0.0.1"
 PORT = 8765
 #: Messages that wait for one viewer; the oldest is dropped when there are more.
 BACKLOG = 512
-#: Messages of a channel that wait for the encoder; the oldest is dropped when there are more.
-INBOX = 64
-#: Only the newest of these waits: viewers that cannot keep up skip pictures.
-LARGE = (Image, EncodedImage, PointCloud)
 _REMEDY = "viewers need the package foxglove-sdk: pip install 'hbba[foxglove]'"
 
 
@@ -50,28 +42,14 @@ class FoxgloveServerSettings(Settings):
     jpeg_quality: int = Field(80, ge=1, le=100)
 
 
-class FoxgloveServer(Module):
+class FoxgloveServer(ChannelServer):
     title = "Server for viewers"
     Settings = FoxgloveServerSettings
     settings: FoxgloveServerSettings
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self._inputs = context.inputs
-        for port in context.inputs.values():
-            self.on(port, self._taker(port))
         self._server: WebSocketServer | None = None
-
-    @classmethod
-    def default_inputs(cls, channels: Mapping[str, ChannelSpec]) -> Mapping[str, str]:
-        """All recordable channels, on ports of their names."""
-        return {name: name for name, spec in channels.items() if spec.log != "never"}
-
-    def accept(self, name: str, message_type: type[Message]) -> None:
-        """Take any channel that ROS has types for."""
-        capacity = 1 if message_type in LARGE else INBOX
-        port = self.input(name, message_type, capacity=capacity, wants="never")
-        self.on(port, self._taker(port))
 
     async def start(self) -> None:
         """Listen. Raises ModuleFailed where the port is taken or the package is not installed."""
@@ -80,11 +58,7 @@ class FoxgloveServer(Module):
         except ImportError:
             raise ModuleFailed(_REMEDY) from None
         self._loop = asyncio.get_running_loop()
-        self._table = self.service(ChannelTable)
-        self._ports = {port.channel.name: port for port in self._inputs.values() if port.channel is not None}
-        self._topics = ShownTopics({name: self._table[name].message_type for name in self._ports})
-        self._encoder = Encoder(self._table, self.settings.jpeg_quality)
-        self._description = robot_description(self.service(Manifest), 0)
+        self.prepare(self.settings.jpeg_quality)
         types = dict(self._topics.types)
         if self._description is not None:
             types[self._description.topic] = self._description.type
@@ -115,12 +89,7 @@ class FoxgloveServer(Module):
         server, self._server = self._server, None
         if server is not None:
             await asyncio.to_thread(server.stop)
-        for port in self._inputs.values():
-            if port.connected:
-                port.subscription.demand(False)
-
-    def overflowed(self, port: str, loss: InboxOverflow) -> None:
-        """Go on: viewers show the newest."""
+        self.rest()
 
     @property
     def url(self) -> str:
@@ -135,11 +104,8 @@ class FoxgloveServer(Module):
         if self._description is not None and topic == self._description.topic:
             self._send(topic, self._description.data, self.clock.now())
             return
-        for name in self._topics.channels_of(topic):
-            channel = self._ports[name].channel
-            if self._table[name].latched and channel is not None and channel.latest is not None:
-                # An encoder of its own: what it has written before does not matter to a viewer that has just come.
-                self._publish(Encoder(self._table, self.settings.jpeg_quality), name, channel.latest)
+        for name, message in self.standing(topic):
+            self._publish(self.new_encoder(), name, message)
 
     def _unsubscribed(self, viewer: int, topic: str) -> None:
         for name in self._topics.unsubscribe(viewer, topic):
@@ -147,13 +113,9 @@ class FoxgloveServer(Module):
 
     # --- messages ---
 
-    def _taker(self, port: Input[Any]) -> Callable[[Any], Awaitable[None]]:
-        async def take(message: Any) -> None:
-            name = port.name if port.channel is None else port.channel.name
-            if self._topics.encoded(name):
-                await self.compute(self._publish, self._encoder, name, message)
-
-        return take
+    async def show(self, name: str, message: Any) -> None:
+        """Encode and send it beside the loop."""
+        await self.compute(self._publish, self._encoder, name, message)
 
     def _publish(self, encoder: Encoder, name: str, message: Any) -> None:
         for record in encoder.encode(name, message):

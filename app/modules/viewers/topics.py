@@ -12,7 +12,7 @@ from app.logs.ros.record import RecordTopic
 from app.messages import EncodedImage, Image, PointCloud
 
 #: Their transforms alone are not worth rendering and encoding them: /tf has these once one of their pictures is shown.
-_DEAR = (Image, EncodedImage, PointCloud)
+LARGE = (Image, EncodedImage, PointCloud)
 #: Topics that only complete others, for reading a recording back.
 _COMPLETING = "/info"
 
@@ -33,7 +33,7 @@ class ShownTopics:
         self.types: dict[str, str] = {}
         self._channels: dict[str, set[str]] = {}
         self._topics: dict[str, set[str]] = {}
-        self._dear = frozenset(name for name, message_type in channels.items() if message_type in _DEAR)
+        self._large = frozenset(name for name, message_type in channels.items() if message_type in LARGE)
         self._viewers: dict[str, set[int]] = {}
         for name, message_type in channels.items():
             try:
@@ -49,7 +49,7 @@ class ShownTopics:
     def channels_of(self, topic: str) -> frozenset[str]:
         """The channels that are worked for while ``topic`` is shown."""
         channels = self._channels.get(topic, set())
-        return frozenset(channels - self._dear if topic == TF.name else channels)
+        return frozenset(channels - self._large if topic == TF.name else channels)
 
     def topics_of(self, channel: str) -> frozenset[str]:
         """The topics that ``channel`` is drawn on."""

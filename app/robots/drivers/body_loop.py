@@ -10,6 +10,7 @@ import time
 from app.base.kinematic_model import load_model
 from app.messages import JointState
 from app.robots import guard
+from app.robots.body_process import Unavailable
 from app.robots.drivers.attached import Attached, cautions
 from app.robots.drivers.config import STATUS_HZ, DriversConfig
 from app.robots.drivers.gamepad import Gamepad
@@ -20,10 +21,6 @@ from app.robots.drivers.protocol import Start
 from app.robots.drivers.serial_base import SerialBase
 from app.robots.guarded_base import GuardedBase
 from app.robots.link_protocol import Demand, Ready, Sample, Socket, Stop
-
-
-class Unavailable(Exception):
-    """A part that driving requires is not there; the message is for people."""
 
 
 class BodyLoop:

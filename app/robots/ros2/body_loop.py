@@ -13,6 +13,7 @@ from dataclasses import replace
 from app.base.kinematic_model import load_model
 from app.messages import Image, JointState
 from app.robots import guard
+from app.robots.body_process import Unavailable
 from app.robots.guarded_base import GuardedBase
 from app.robots.guarded_joints import GuardedJoints
 from app.robots.link_protocol import Demand, Ready, Sample, Socket, Stop
@@ -20,10 +21,6 @@ from app.robots.ros2.config import STATUS_HZ, Ros2Config
 from app.robots.ros2.health import fault, faults
 from app.robots.ros2.node import RosNode
 from app.robots.ros2.protocol import Start
-
-
-class Unavailable(Exception):
-    """The robot is not there, not as it is mapped, or began again; the message is for people."""
 
 
 class BodyLoop:

@@ -7,56 +7,25 @@ is zero.
 from __future__ import annotations
 
 import os
-import select
-import signal
-import socket
 import sys
 
-from app.base.child_processes import end_with_parent
 from app.logs.ros.live.graph import MISSING
+from app.robots.body_process import Loaded, Unavailable, run_body
 
 
-def main(arguments: list[str]) -> int:
-    """Run the link; 0 after a stop or the program's end, REFUSED after a sentence for people on standard error."""
-    parent = os.getppid()
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches every process of a terminal; the program sends Stop
-    end_with_parent()
-    if parent != os.getppid():
-        return 0
+def load() -> Loaded:
+    """What a robot over ROS 2 needs. Raises Unavailable where ROS 2 is not installed."""
+    try:
+        import rclpy  # noqa: F401
+    except ImportError:
+        raise Unavailable(MISSING) from None
+    from app.robots.ros2.body_loop import BodyLoop
+    from app.robots.ros2.protocol import Start
 
-    from app.robots.link_process import REFUSED
-    from app.robots.link_protocol import Socket
-    from app.runtime.realtime import garbage_held, tune_for_latency
-
-    with garbage_held():
-        try:
-            import rclpy  # noqa: F401
-        except ImportError:
-            return _refuse(MISSING, REFUSED)
-        from app.robots.ros2.body_loop import BodyLoop, Unavailable
-        from app.robots.ros2.protocol import Start
-    sock = Socket(socket.socket(fileno=int(arguments[0])))
-    while not sock.closed:
-        select.select([sock.fileno()], [], [])
-        for start in sock.receive():
-            if isinstance(start, Start):
-                loop = BodyLoop(start, sock)
-                signal.signal(signal.SIGTERM, lambda *_, loop=loop: loop.end())
-                tune_for_latency()
-                try:
-                    loop.run()
-                except Unavailable as failure:
-                    return _refuse(str(failure), REFUSED)
-                return 0
-    return 0
-
-
-def _refuse(sentence: str, status: int) -> int:
-    print(sentence, file=sys.stderr)
-    return status
+    return Start, BodyLoop
 
 
 if __name__ == "__main__":
-    status = main(sys.argv[1:])
+    status = run_body(sys.argv[1:], load)
     sys.stderr.flush()
     os._exit(status)  # rclpy's and the middleware's exit handlers have nothing to add

@@ -12,7 +12,7 @@ import { goalOf } from "./mapText";
 import { sketch } from "./mapTools";
 import { LAYERS } from "./registry";
 
-/** As in senses.css. */
+/** As in view-tools.css. */
 const COLUMN_PX = 860;
 
 /** Paints at the next frame after any change; returns what ends it. */

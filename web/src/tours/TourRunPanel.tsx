@@ -1,23 +1,20 @@
 /** Leads tours: begins one, shows how it goes and why, and steers it. */
 
-import { useSignal } from "@preact/signals";
 import { fromRobot, langOf, plural, t } from "../i18n";
-import { Confirm } from "../map/Confirm";
 import { panel } from "../panels/panel";
 import type { TourProgress } from "../protocol/types";
 import { subtitleOf } from "../speech/subtitle";
 import { useApp } from "../state/context";
 import { sentence } from "../ui/format";
-import { PauseIcon, PersonIcon, PlayIcon, WarnIcon } from "../ui/icons";
+import { PersonIcon, PlayIcon, WarnIcon } from "../ui/icons";
 import { QrPicture } from "../ui/QrPicture";
 import { Choice, languageName } from "./parts";
 import { TourReports } from "./TourReports";
+import { TourSteering } from "./TourSteering";
 import { textOf } from "./tourEdits";
 import {
   badgeOf,
   buttonWords,
-  type Control,
-  controlsOf,
   defaultWords,
   idWords,
   isUrgent,
@@ -26,7 +23,6 @@ import {
   standsWords,
   stateWords,
   stopWords,
-  visitorControls,
 } from "./tourRunText";
 
 export const tourRunPanel = panel({
@@ -168,7 +164,7 @@ function UnderWay({ progress }: { progress: TourProgress }) {
         </p>
       )}
       <Question progress={progress} />
-      {!store.replay.value && <Steering progress={progress} />}
+      {!store.replay.value && <TourSteering progress={progress} />}
       <p class="tour-run-people muted small" data-testid="tour-run-people">
         <PersonIcon /> {peopleWords(progress)}
       </p>
@@ -254,130 +250,6 @@ function Question({ progress }: { progress: TourProgress }) {
         </span>
       )}
     </div>
-  );
-}
-
-function Steering({ progress }: { progress: TourProgress }) {
-  const { store, tourRun } = useApp();
-  const ending = useSignal(false);
-  const asks = visitorControls(progress);
-  const controls = controlsOf(progress, store.stopped.value);
-  const [main, others] = [controls.filter(isMain), controls.filter((control) => !isMain(control))];
-  const press = ({ button }: Control) => {
-    if (button === "end") ending.value = true;
-    else void tourRun.press({ button });
-  };
-  return (
-    <>
-      {main.length > 0 && (
-        <div class="tour-run-buttons">
-          {main.map((control) => (
-            <RunButton key={control.button} control={control} onPress={press} />
-          ))}
-        </div>
-      )}
-      {asks.length + progress.questions.length > 0 && (
-        <div class="tour-run-buttons for-visitors" role="group" aria-label={t("Said for visitors")}>
-          <span class="muted small">{t("Press what visitors say")}</span>
-          {asks.map((control) => (
-            <RunButton key={control.button} control={control} onPress={press} />
-          ))}
-          {progress.questions.map(({ id, question }) => (
-            <button
-              key={id}
-              type="button"
-              class="button quiet wide"
-              data-testid="tour-run-ask"
-              data-question={id}
-              disabled={!tourRun.allowed.value}
-              onClick={() => void tourRun.press({ ask: id })}
-            >
-              {textOf(question, progress.languages)}
-            </button>
-          ))}
-        </div>
-      )}
-      <div class="tour-run-buttons" role="group" aria-label={t("Steer the tour")}>
-        {others.map((control) => (
-          <RunButton key={control.button} control={control} onPress={press} />
-        ))}
-        {progress.waits && progress.state === "idle" && (
-          <button
-            type="button"
-            class="button"
-            data-testid="tour-run-dismiss"
-            disabled={!tourRun.allowed.value}
-            onClick={() => void tourRun.dismiss()}
-          >
-            {t("Stop waiting")}
-          </button>
-        )}
-      </div>
-      {ending.value && progress.state !== "idle" && (
-        <Confirm
-          words={t("The robot says goodbye and goes home.")}
-          yes={t("End the tour")}
-          no={t("Do not end it")}
-          onYes={() => {
-            ending.value = false;
-            void tourRun.press({ button: "end" });
-          }}
-          onNo={() => (ending.value = false)}
-        />
-      )}
-      <GoToStop progress={progress} />
-    </>
-  );
-}
-
-/** What holds the robot, or has it go on: large, and always first. */
-function isMain({ button }: Control): boolean {
-  return button === "resume" || button === "pause" || button === "start";
-}
-
-function RunButton({ control, onPress }: { control: Control; onPress: (control: Control) => void }) {
-  const { tourRun } = useApp();
-  const { button, words, works } = control;
-  const main = isMain(control);
-  return (
-    <button
-      type="button"
-      class={`button ${main ? "main" : ""} ${button === "resume" || button === "start" ? "accent" : ""}`}
-      data-testid={`tour-press-${button}`}
-      disabled={!works || !tourRun.allowed.value}
-      onClick={() => onPress(control)}
-    >
-      {button === "pause" && <PauseIcon />}
-      {(button === "resume" || button === "start") && <PlayIcon />}
-      {words}
-    </button>
-  );
-}
-
-function GoToStop({ progress }: { progress: TourProgress }) {
-  const { tourRun } = useApp();
-  const stops = tourRun.stops.value;
-  if (!progress.buttons.includes("skip") || stops.length < 2) return null;
-  return (
-    <select
-      class="tour-run-go"
-      aria-label={t("Go to a stop")}
-      data-testid="tour-run-go"
-      value=""
-      disabled={!tourRun.allowed.value}
-      onChange={(event) => {
-        const stop = event.currentTarget.value;
-        event.currentTarget.value = "";
-        if (stop) void tourRun.press({ stop });
-      }}
-    >
-      <option value="">{t("Go to a stop…")}</option>
-      {stops.map(({ id, title }, index) => (
-        <option key={id} value={id}>
-          {`${index + 1}  ${textOf(title, progress.languages) || id}`}
-        </option>
-      ))}
-    </select>
   );
 }
 

@@ -6,8 +6,8 @@ from collections.abc import Iterator
 
 from app.messages import OperatorQuestion
 from app.modules.motivations.tour_guide.entering import AT_A_STOP, ON_THE_WAY, subject_of
+from app.modules.motivations.tour_guide.passing_time import LONGEST_PAUSE_S
 from app.modules.motivations.tour_guide.progress import Button, Progress
-from app.modules.motivations.tour_guide.transitions import LONGEST_PAUSE_S
 from app.modules.motivations.tour_guide.wishes import Scene, stop_of
 from app.tours.model import rules_at
 

@@ -8,8 +8,8 @@ from typing import Final
 import msgspec
 
 from app.modules.motivations.tour_guide.entering import go_home
+from app.modules.motivations.tour_guide.passing_time import resumed
 from app.modules.motivations.tour_guide.progress import Progress, State, View
-from app.modules.motivations.tour_guide.transitions import resumed
 from app.modules.motivations.tour_guide.wishes import Scene
 from app.tours.run_report import RunReport
 from app.tours.tour_file import digest

@@ -20,7 +20,8 @@
     │            is the TourRunServer; states desires, and moves nothing itself                │
     └──────────────────────────────────────────────────────────────────────────────────────────┘
 
-What it does is decided by pure functions (``transitions.py``, ``wishes.py``, ``perceptions.py``); all inputs but
+What it does is decided by pure functions (``transitions.py``, ``passing_time.py``, ``wishes.py``,
+``perceptions.py``); all inputs but
 odometry may be absent. A run is kept at each change; a program that is started again goes on with it or says why not.
 """
 

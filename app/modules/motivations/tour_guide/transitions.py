@@ -1,4 +1,5 @@
-"""The guide's states: what it sees, and the time, lead from one to the next. Pure functions."""
+"""The guide's states: what it sees, and what people say and do, lead from one to the next; ``passing_time`` says what
+time leads to. Pure functions."""
 
 from __future__ import annotations
 
@@ -7,18 +8,18 @@ from typing import Final, assert_never
 
 from app.base.geometry import wrap_angle
 from app.modules.motivations.tour_guide.commands import among, commands_now
-from app.modules.motivations.tour_guide.company import Company, falls_behind_m, looks_back, noted
+from app.modules.motivations.tour_guide.company import falls_behind_m, noted
 from app.modules.motivations.tour_guide.entering import (
     AT_A_STOP,
     AT_HOME,
     NOWHERE,
     ON_THE_WAY,
     enter,
-    go_home,
     lead,
     part,
     subject_of,
 )
+from app.modules.motivations.tour_guide.passing_time import HELD, invited, next_step, outcome, resumed, timed
 from app.modules.motivations.tour_guide.progress import (
     Asked,
     Called,
@@ -36,30 +37,13 @@ from app.modules.motivations.tour_guide.progress import (
     View,
     Withdrawn,
 )
-from app.modules.motivations.tour_guide.stop_outcomes import arrived, failed_step, given_up, unreached
-from app.modules.motivations.tour_guide.waiting import looks_towards, searched, wait, waited
-from app.modules.motivations.tour_guide.wishes import BESIDE, Scene, awaited, step_now, steps_now, stop_of
+from app.modules.motivations.tour_guide.waiting import looks_towards
+from app.modules.motivations.tour_guide.wishes import Scene, step_now, stop_of
 from app.tours.codes import accepted
-from app.tours.model import Tour, rules_at
+from app.tours.model import Tour
 
-#: A visitor who declines by leaving is gone so long (s).
-LEFT_S: Final = 5.0
-#: It turns to visitors for so long at most (s).
-TURN_S: Final = 8.0
-#: A step that reports nothing has failed after so long (s).
-LONGEST_STEP_S: Final = 180.0
 #: As it sets out, mapping begins, and says within this time (s) where the robot is.
 LOCATES_S: Final = 3.0
-#: So long it looks for where it is (s).
-LOST_S: Final = 180.0
-#: Why no tour begins, also once the emergency stop is released.
-HELD: Final = "the emergency stop was pressed: press Resume"
-#: A pause ends the tour after so long (s); one by driving by hand ends so long after that.
-LONGEST_PAUSE_S: Final = 600.0
-AFTER_HAND_S: Final = 1.0
-#: The way home takes no longer, and is tried so often.
-HOME_S: Final = 600.0
-HOME_TRIES: Final = 3
 #: It speeds up again at this share of the distance at which it slows down.
 _CLOSER: Final = 0.8
 #: It turns after visitors who are beside it by more (rad).
@@ -82,7 +66,7 @@ def advance(progress: Progress, view: View, scene: Scene) -> Progress:
         # What is pressed or heard does not move a robot that is held.
         progress = interrupted(progress, view, scene)
     progress = _people(progress, view, scene.tour)
-    return _timed(progress, view, scene)
+    return timed(progress, view, scene)
 
 
 # --- what may come in any state ----------------------------------------------------------------------------------
@@ -123,12 +107,12 @@ def _paused(progress: Progress, view: View, reason: str, *, to_press: bool, excu
 def _after(progress: Progress, event: Event, view: View, scene: Scene) -> Progress:
     match event:
         case Ended():
-            return _outcome(progress, event, view, scene)
+            return outcome(progress, event, view, scene)
         case Withdrawn(key) if key == f"{progress.entry}.go":
             # A person who withdraws the goal stops the robot.
             return _paused(progress, view, "its goal was withdrawn", to_press=True)
         case Withdrawn(key):
-            return _outcome(progress, Ended(key, True), view, scene)
+            return outcome(progress, Ended(key, True), view, scene)
         case Pressed():
             return _pressed(progress, event, view, scene)
         case Chosen(stop):
@@ -144,23 +128,23 @@ def _after(progress: Progress, event: Event, view: View, scene: Scene) -> Progre
             step = step_now(progress, scene.tour)
             claps = None if step is None or step.wait is None else step.wait.claps
             over = progress.state == "listening" and claps == times
-            return _next_step(progress, view, scene) if over else progress
+            return next_step(progress, view, scene) if over else progress
         case Called():
             step = step_now(progress, scene.tour)
             over = progress.state == "listening" and step is not None and step.wait is not None and step.wait.call
-            return _next_step(progress, view, scene) if over else progress
+            return next_step(progress, view, scene) if over else progress
         case Spoken(key, sentence):
             now = key == f"{progress.entry}.say"
             return replace(progress, sentence=progress.said_from + sentence) if now else progress
         case Scheduled():
-            return _invited(progress, view, scene.tour)
+            return invited(progress, view, scene.tour)
     assert_never(event)
 
 
 def _pressed(progress: Progress, event: Pressed, view: View, scene: Scene) -> Progress:
     match event.button:
         case "start":
-            return _invited(progress, view, scene.tour)
+            return invited(progress, view, scene.tour)
         case "end" if progress.state == "paused" and progress.to_press:
             # The robot does not even go home before a press to go on.
             return enter(progress, "idle", view, reason="it was ended")
@@ -179,7 +163,7 @@ def _pressed(progress: Progress, event: Pressed, view: View, scene: Scene) -> Pr
         case "retry" if progress.state == "blocked":
             return lead(progress, view, scene, progress.stop)
         case "next" if progress.state == "listening":
-            return _next_step(progress, view, scene)
+            return next_step(progress, view, scene)
         case "repeat" if progress.state in AT_A_STOP:
             return enter(progress, "presenting", view)
         case "skip" if subject_of(progress) in ON_THE_WAY | AT_A_STOP:
@@ -202,36 +186,7 @@ def _sent(progress: Progress, stop: int, view: View, scene: Scene) -> Progress:
     return replace(state, to_press=progress.to_press, reason=progress.reason)
 
 
-def resumed(progress: Progress, view: View, scene: Scene) -> Progress:
-    """In the state before: a text from the sentence that was interrupted on, a way planned from here."""
-    match progress.resume:
-        case "presenting" | "inviting" | "parting":
-            again = enter(progress, progress.resume, view, step=progress.step)
-            again = replace(again, carried=progress.carried)
-            return replace(again, sentence=progress.sentence, said_from=progress.sentence)
-        case "listening":
-            return replace(enter(progress, "listening", view, step=progress.step), carried=progress.carried)
-        case "answering":
-            return enter(progress, "listening", view, step=progress.listened)
-        case "leading" | "waiting" | "searching" | "turning" | "blocked" | "lost":
-            return lead(progress, view, scene, progress.stop)
-    return enter(progress, progress.resume, view)
-
-
 # --- what people say and do -----------------------------------------------------------------------------------------
-
-
-def _invited(progress: Progress, view: View, tour: Tour) -> Progress:
-    if progress.is_running:
-        return progress
-    if view.e_stop or view.by_hand:
-        return replace(progress, reason="no tour begins while the robot is held")
-    if progress.held:
-        return replace(progress, reason=HELD)
-    if view.battery is not None and view.battery < tour.battery.begin_min:
-        return replace(progress, reason="the battery is too low for a tour")
-    fresh = Progress(entry=progress.entry, company=Company(seen_m=view.driven_m), homed=progress.homed)
-    return enter(fresh, "inviting", view)
 
 
 def _asked(progress: Progress, question: str, view: View, tour: Tour) -> Progress:
@@ -255,7 +210,7 @@ def _heard(progress: Progress, phrase: str, view: View, scene: Scene) -> Progres
     if progress.state == "listening":
         step = step_now(progress, tour)
         if step is not None and step.wait is not None and among(phrase, step.wait.words):
-            return _next_step(progress, view, scene)
+            return next_step(progress, view, scene)
         for question in stop_of(progress, tour).questions:
             if among(phrase, question.words):
                 return _asked(progress, question.id, view, tour)
@@ -303,125 +258,3 @@ def _people(progress: Progress, view: View, tour: Tour) -> Progress:
     company = noted(progress.company, view, tour.pace, counts=progress.state in _COUNTS)
     after = replace(progress, near_since=near_since, gone_since=gone, invites=invites, company=company, slow=slow)
     return replace(after, towards=towards, stuck_since=view.stuck_since)
-
-
-# --- outcomes and times ----------------------------------------------------------------------------------------------
-
-
-def _outcome(progress: Progress, event: Ended, view: View, scene: Scene) -> Progress:
-    entry, _, name = event.key.partition(".")
-    if entry != str(progress.entry):
-        return progress
-    match progress.state:
-        case "leading" if name == "go":
-            return arrived(progress, view, scene) if event.done else unreached(progress, view, scene)
-        case "listening" if name == "code":
-            # Its time begins again, as after an answer.
-            return enter(progress, "listening", view, step=progress.step)
-        case "searching" if name == "go":
-            return wait(progress, view, "it waits where it saw them last")
-        case "going_home" if name == "go":
-            if event.done:
-                return replace(enter(progress, "idle", view, reason="the tour is over"), homed=True)
-            if progress.attempt + 1 >= HOME_TRIES:
-                return enter(progress, "idle", view, reason="the way home is blocked")
-            return replace(enter(progress, "going_home", view), attempt=progress.attempt + 1)
-        case "inviting" | "presenting" | "answering" | "parting":
-            if event.key not in awaited(progress, scene, view.now):
-                return progress
-            if not event.done and progress.state == "presenting" and not name.startswith(BESIDE):
-                return failed_step(progress, name, view, scene)
-            return replace(progress, ended=progress.ended | {event.key})
-    return progress
-
-
-def _timed(progress: Progress, view: View, scene: Scene) -> Progress:
-    """What time, or what is seen by now, leads to."""
-    tour, spent = scene.tour, view.now - progress.since
-    match progress.state:
-        case "idle":
-            near = progress.near_since is not None and view.now - progress.near_since >= tour.begin.for_s
-            begins = ("face" in tour.begin.by and near) or ("voice" in tour.begin.by and near and view.speaking)
-            return _invited(progress, view, tour) if begins and progress.invites else progress
-        case "confirming":
-            confirm = tour.greeting.confirm
-            # A press may come from where the robot does not look: who was never seen has not left.
-            gone_since = progress.gone_since if progress.company.met else None
-            left = gone_since is not None and view.now - max(gone_since, progress.since) >= LEFT_S
-            if left or confirm is None or spent >= confirm.at_most_s:
-                return enter(progress, "idle", view, reason="visitors did not answer")
-        case "leading" if view.people > 0 and view.farthest_m > tour.pace.wait_m:
-            return wait(progress, view, "visitors fell behind")
-        case "leading" if looks_back(progress.company, view, tour.pace):
-            return wait(progress, view, "it looks back for visitors")
-        case "waiting":
-            return waited(progress, view, tour.pace)
-        case "searching":
-            return searched(progress, view, tour.pace)
-        case "turning" if spent >= TURN_S or (view.people > 0 and spent > 0):
-            return replace(enter(progress, "presenting", view), excuse=progress.excuse)
-        case "inviting" | "presenting" | "answering" | "parting":
-            return _stepped(progress, view, scene)
-        case "listening":
-            return _listened(progress, view, scene)
-        case "blocked" if spent >= rules_at(tour, stop_of(progress, tour)).reach.ask_s:
-            return given_up(progress, view, scene)
-        case "lost" if view.localized:
-            return lead(progress, view, scene, progress.stop)
-        case "lost" if spent >= LOST_S:
-            return part(progress, view, NOWHERE, excuse="lost")
-        case "paused":
-            if spent >= LONGEST_PAUSE_S and not (view.e_stop or view.by_hand):
-                # Nothing moves before a press: it ends where it is.
-                return enter(progress, "idle", view, reason="it was paused too long")
-            if not progress.to_press and not view.by_hand and spent >= AFTER_HAND_S:
-                return resumed(progress, view, scene)
-        case "going_home" if spent >= HOME_S:
-            return enter(progress, "idle", view, reason="the way home took too long")
-    return progress
-
-
-def _stepped(progress: Progress, view: View, scene: Scene) -> Progress:
-    """On to the next step once all that this one waits for has ended, or has taken too long."""
-    missing = awaited(progress, scene, view.now) - progress.ended
-    if missing and view.now - progress.since < LONGEST_STEP_S:
-        return progress
-    if missing and progress.state == "presenting":
-        return failed_step(progress, min(missing).partition(".")[2], view, scene)
-    step = step_now(progress, scene.tour)
-    if progress.state == "presenting" and step is not None and step.wait is not None:
-        return enter(progress, "listening", view, step=progress.step)
-    return _next_step(progress, view, scene)
-
-
-def _listened(progress: Progress, view: View, scene: Scene) -> Progress:
-    if progress.carried is not None and view.now - progress.since < LONGEST_STEP_S:
-        return progress
-    step = step_now(progress, scene.tour)
-    wait = None if step is None else step.wait
-    # Where it does not turn to visitors, it does not see whether they have left.
-    faces = stop_of(progress, scene.tour).stand.face == "visitors"
-    left = faces and wait is not None and wait.all_left and progress.gone_since is not None
-    gone = left and view.now - max(progress.gone_since or 0.0, progress.since) >= LEFT_S
-    if wait is None or gone or view.now - progress.since >= wait.at_most_s:
-        return _next_step(progress, view, scene)
-    return progress
-
-
-def _next_step(progress: Progress, view: View, scene: Scene) -> Progress:
-    """The next step of this state, or what comes after it."""
-    tour, state = scene.tour, progress.state
-    if state == "answering":
-        return enter(progress, "listening", view, step=progress.listened)
-    if progress.step + 1 < len(steps_now(progress, tour)):
-        reason = progress.reason if state == "parting" else ""
-        after = "presenting" if state == "listening" else state
-        return enter(progress, after, view, step=progress.step + 1, reason=reason)
-    match state:
-        case "inviting":
-            asks = tour.greeting.confirm is not None
-            return enter(progress, "confirming", view) if asks else lead(progress, view, scene)
-        case "parting":
-            return go_home(progress, view, scene)
-    done = replace(progress, presented=(*progress.presented, stop_of(progress, tour).id))
-    return lead(done, view, scene, progress.stop + 1)

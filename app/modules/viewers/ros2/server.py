@@ -13,7 +13,7 @@ login: what it may ask for is off until ``commands`` is set; see docs/ros2.md.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable, Mapping
+from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from typing import Annotated, Any
 
@@ -21,30 +21,22 @@ from pydantic import Field
 
 from app.attention.workspace import IntentionWorkspace
 from app.base.geometry import Pose2
-from app.logs.manifest import Manifest
 from app.logs.ros import typestore
 from app.logs.ros.encoder import Encoder
 from app.logs.ros.live.blank import blank
 from app.logs.ros.live.graph import Discovery, environment
 from app.logs.ros.record import Record
-from app.logs.ros.robot_description import robot_description
-from app.messages import EncodedImage, Image, Localization, Message, NavigationReport, PointCloud
+from app.messages import Localization, NavigationReport
+from app.modules.viewers.channel_server import ChannelServer
 from app.modules.viewers.ros2 import desires, navigate
 from app.modules.viewers.ros2.desires import add_desire, remove_desire
 from app.modules.viewers.ros2.drawing import PlaceRecords, Transforms, drawn
 from app.modules.viewers.ros2.graph_process import GraphProcess, GraphProcessFailed
 from app.modules.viewers.ros2.navigate import NavigateToPose
 from app.modules.viewers.ros2.protocol import Answer, Call, Open, Publish, Service, Shown, Topic, ToProgram
-from app.modules.viewers.topics import ShownTopics
-from app.runtime.channel_table import ChannelSpec, ChannelTable
-from app.runtime.errors import InboxOverflow, ModuleFailed
-from app.runtime.module import Caution, Module, ModuleContext, Settings
-from app.runtime.ports import Input
+from app.runtime.errors import ModuleFailed
+from app.runtime.module import Caution, ModuleContext, Settings
 
-#: Messages of a channel that wait for the encoder; the oldest is dropped when there are more.
-INBOX = 64
-#: Only the newest of these waits.
-LARGE = (Image, EncodedImage, PointCloud)
 FEEDBACK_S = 0.5
 #: In :class:`ShownTopics`, the graph is one viewer.
 _GRAPH = 0
@@ -64,16 +56,13 @@ class Ros2ServerSettings(Settings):
     action: Name = Field("navigate_to_pose", description="name of the action by which goals are given")
 
 
-class Ros2Server(Module):
+class Ros2Server(ChannelServer):
     title = "Topics for ROS 2"
     Settings = Ros2ServerSettings
     settings: Ros2ServerSettings
 
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
-        self._inputs = context.inputs
-        for port in context.inputs.values():
-            self.on(port, self._taker(port))
         self._process: GraphProcess | None = None
         self._goals: NavigateToPose | None = None
         self._serving: list[tuple[Service, Callable[[int, Any], Any | None]]] = []
@@ -86,17 +75,6 @@ class Ros2Server(Module):
         self.left_out = 0
         """Messages that the process could not take in time."""
 
-    @classmethod
-    def default_inputs(cls, channels: Mapping[str, ChannelSpec]) -> Mapping[str, str]:
-        """All recordable channels, on ports of their names."""
-        return {name: name for name, spec in channels.items() if spec.log != "never"}
-
-    def accept(self, name: str, message_type: type[Message]) -> None:
-        """Take any channel that ROS has types for."""
-        capacity = 1 if message_type in LARGE else INBOX
-        port = self.input(name, message_type, capacity=capacity, wants="never")
-        self.on(port, self._taker(port))
-
     def cautions(self) -> tuple[Caution, ...]:
         """Who may drive."""
         if not self.settings.commands:
@@ -106,12 +84,8 @@ class Ros2Server(Module):
 
     async def start(self) -> None:
         """Join the graph. Raises ModuleFailed where ROS 2 is not here."""
-        self._table = self.service(ChannelTable)
-        self._ports = {port.channel.name: port for port in self._inputs.values() if port.channel is not None}
-        types = {name: self._table[name].message_type for name in self._ports}
-        self._topics = ShownTopics(types, drawn(self.settings.transforms))
-        self._encoder, self._places = Encoder(self._table, self.settings.jpeg_quality), PlaceRecords()
-        self._description = robot_description(self.service(Manifest), 0)
+        self.prepare(self.settings.jpeg_quality, drawn(self.settings.transforms))
+        self._places = PlaceRecords()
         self._offered = self._all_topics()
         self._numbers = {topic.name: number for number, topic in enumerate(self._offered)}
         if self.settings.commands:
@@ -142,12 +116,7 @@ class Ros2Server(Module):
         if process is not None:
             process.ended.remove_done_callback(self._on_end)
             await process.close()
-        for port in self._inputs.values():
-            if port.connected:
-                port.subscription.demand(False)
-
-    def overflowed(self, port: str, loss: InboxOverflow) -> None:
-        """Go on: those who listen get the newest."""
+        self.rest()
 
     @property
     def process_id(self) -> int | None:
@@ -231,12 +200,8 @@ class Ros2Server(Module):
             self._demand(channel)
         if self._description is not None and topic == self._description.topic:
             self._send(self._description)
-        for channel in self._topics.channels_of(topic):
-            connected = self._ports[channel].channel
-            latest = None if connected is None else connected.latest
-            if latest is not None and self._table[channel].latched:
-                # An encoder of its own: what it has written before does not matter to those who have just come.
-                self._publish(self._records(Encoder(self._table, self.settings.jpeg_quality), channel, latest))
+        for channel, latest in self.standing(topic):
+            self._publish(self._records(self.new_encoder(), channel, latest))
 
     @property
     def _recorded(self) -> Mapping[str, str]:
@@ -254,19 +219,18 @@ class Ros2Server(Module):
 
     # --- to the graph ---
 
-    def _taker(self, port: Input[Any]) -> Callable[[Any], Awaitable[None]]:
-        async def take(message: Any) -> None:
-            if isinstance(message, Localization):
-                self._X_MB = message.X_MB
-                if self._goals is not None:
-                    self._goals.X_MO = message.X_MO
-            elif isinstance(message, NavigationReport):
-                self._report = message
-            name = port.name if port.channel is None else port.channel.name
-            if self._topics.encoded(name):
-                self._publish(await self.compute(self._records, self._encoder, name, message))
+    def note(self, message: Any) -> None:
+        """Where the robot is, and how its way goes, is for those whose goals are pursued."""
+        if isinstance(message, Localization):
+            self._X_MB = message.X_MB
+            if self._goals is not None:
+                self._goals.X_MO = message.X_MO
+        elif isinstance(message, NavigationReport):
+            self._report = message
 
-        return take
+    async def show(self, name: str, message: Any) -> None:
+        """Encode it beside the loop, and send it."""
+        self._publish(await self.compute(self._records, self._encoder, name, message))
 
     def _records(self, encoder: Encoder, name: str, message: Any) -> list[Record]:
         """What of ``message`` goes to the graph."""

@@ -11,8 +11,8 @@ import pytest
 pytest.importorskip("playwright")
 
 # By its name: the scripts are no package for the type checker.
-screenshots: Any = import_module("scripts.screenshots")
-illness, shoot = screenshots.illness, screenshots.shoot
+photographs: Any = import_module("scripts.photographs")
+illness, shoot = photographs.illness, photographs.shoot
 
 HEALTHY = {"[data-testid=connection][data-phase=live]": "Connected", "[data-testid=view-age]": "88 ms"}
 
@@ -55,7 +55,7 @@ def test_what_ails_it_is_said_and_no_picture_is_written(name: str, text: str, wo
     assert words in illness(page)
     with pytest.raises(SystemExit, match="tour-first-look: not written"):
         shoot(page, "tour-first-look")
-    assert not list(screenshots.FOLDER.glob("tour-first-look.jpeg"))
+    assert not list(photographs.FOLDER.glob("tour-first-look.jpeg"))
 
 
 def test_an_old_picture_or_a_lost_page_are_seen() -> None:
