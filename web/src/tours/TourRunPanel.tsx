@@ -3,7 +3,6 @@
 import { useSignal } from "@preact/signals";
 import { fromRobot, langOf, plural, t } from "../i18n";
 import { Confirm } from "../map/Confirm";
-import { panel } from "../panels/panel";
 import type { TourProgress } from "../protocol/types";
 import { subtitleOf } from "../speech/subtitle";
 import { useApp } from "../state/context";
@@ -11,16 +10,13 @@ import { sentence } from "../ui/format";
 import { PauseIcon, PersonIcon, PlayIcon, WarnIcon } from "../ui/icons";
 import { QrPicture } from "../ui/QrPicture";
 import { Choice, languageName } from "./parts";
-import { TourReports } from "./TourReports";
 import { textOf } from "./tourEdits";
 import {
-  badgeOf,
   buttonWords,
   type Control,
   controlsOf,
   defaultWords,
   idWords,
-  isUrgent,
   pauseWords,
   peopleWords,
   standsWords,
@@ -29,23 +25,7 @@ import {
   visitorControls,
 } from "./tourRunText";
 
-export const tourRunPanel = panel({
-  type: "tour",
-  tab: "Tour",
-  Card: TourRun,
-  offered: ({ store }) => store.body.value.maps && store.of("tour").value !== null,
-  badge: badgeOf,
-  alarm: isUrgent,
-});
-
-export const tourReportsPanel = panel({
-  type: "tour",
-  tab: "Tour",
-  Card: () => <TourReports />,
-  offered: ({ store, tours }) => store.of("tour").value !== null && !store.replay.value && tours.draft.value === null,
-});
-
-function TourRun() {
+export function TourRun() {
   const { tourRun, tours } = useApp();
   const progress = tourRun.progress.value;
   // While a tour is edited, and none is led, the room is the editor's.
