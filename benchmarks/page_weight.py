@@ -1,9 +1,9 @@
 """What a browser loads for the operator page: each file as the console sends it, and all, without viser's 3D view.
 
-The files are those that the built ``index.html`` names, and those that they name in turn. *Opening* is what comes before
-the page is there: scripts and style, what these import, workers, and the words of the reader's language other than
-English. *All* has the parts too that come when they are first shown: tours, load, graph, recordings, forms. *Ours* is what
-comes with Brotli (https and localhost), the peer gzip (elsewhere); of sums, the goal of 200 kB.
+The files are those that the built ``index.html`` names, and those that they name in turn. *Opening* is what comes
+before the page is there: scripts and style, what these import, workers, and the words of the reader's language other
+than English. *All* has the parts too that come when they are first shown: tours, load, graph, recordings, forms. *Ours*
+is what comes with Brotli (https and localhost), the peer gzip (elsewhere); of sums, the goal of 200 kB.
 """
 
 from __future__ import annotations
@@ -26,7 +26,9 @@ LANGUAGES = {"fr-": "French"}
 
 #: A file that a script or page names in any way; and in one that a browser follows at once: not ``import(...)``.
 NAMED = re.compile(r"([\w.-]+\.(?:js|css|svg))\b")
-AT_ONCE = re.compile(r"""(?:src=|href=|from|import|new URL\()\s*["'`](?:[./]*assets/|\./)?([\w.-]+\.(?:js|css|svg))["'`]""")
+AT_ONCE = re.compile(
+    r"""(?:src=|href=|from|import|new URL\()\s*["'`](?:[./]*assets/|\./)?([\w.-]+\.(?:js|css|svg))["'`]"""
+)
 
 
 def loaded(static: Path, names: re.Pattern[str] = NAMED, entry: str = "index.html") -> list[Path]:

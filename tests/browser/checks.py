@@ -46,8 +46,10 @@ _NOTICES = """
 async () => {
   const live = keptSockets.find((each) => each.url.includes("/live") && each.readyState === WebSocket.OPEN);
   const texts = ["The 3D view is slow on this computer. Hide it for smoother driving.", "You have control."];
-  for (const text of texts)
-    live?.dispatchEvent(new MessageEvent("message", { data: JSON.stringify({ type: "notice", level: "warning", text }) }));
+  for (const text of texts) {
+    const data = JSON.stringify({ type: "notice", level: "warning", text });
+    live?.dispatchEvent(new MessageEvent("message", { data }));
+  }
   const shown = () => [...document.querySelectorAll(".notice[style]")].map((each) => each.textContent);
   while (live && !texts.every((text) => shown().includes(text)))
     await new Promise((done) => requestAnimationFrame(done));

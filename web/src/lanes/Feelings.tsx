@@ -25,13 +25,14 @@ export function Feelings({ levels }: { levels: readonly EmotionLevel[] }) {
     <div class="feelings" role="group" aria-label={t("Emotions")} data-testid="emotions">
       {levels.map((level) => {
         const { emotion, intensity } = level;
-        const words = feelingWords(level);
+        const [, ...from] = feelingWords(level).split("\n");
+        const why = from.length > 0 ? from.join("\n") : t("No desire feeds it now.");
         return (
           <button
             key={emotion}
             type="button"
             class={`feeling ${open.value === emotion ? "open" : ""}`}
-            aria-label={words}
+            aria-description={why}
             aria-expanded={open.value === emotion}
             data-emotion={emotion}
             data-intensity={intensity}
@@ -43,8 +44,8 @@ export function Feelings({ levels }: { levels: readonly EmotionLevel[] }) {
             <span class="feeling-line">
               <span style={{ width: `${100 * intensity}%`, background: COLORS[emotion] }} />
             </span>
-            <span class="feeling-why">
-              {level.sources.length > 0 ? words.split("\n").slice(1).join("\n") : t("No desire feeds it now.")}
+            <span class="feeling-why" aria-hidden="true">
+              {why}
             </span>
           </button>
         );
