@@ -15,8 +15,8 @@ from pathlib import Path
 from tempfile import NamedTemporaryFile
 from typing import TextIO
 
-#: Without output for this time (s) a command hangs: a test that hangs ends its process after 900 s (pyproject.toml).
-SILENT_AFTER_S = 1200.0
+#: Without output for this time (s) a command hangs: a test that hangs ends its process after 1800 s (pyproject.toml).
+SILENT_AFTER_S = 2100.0
 #: A Python program has this time (s) to print where its threads are.
 ABORTING_S = 15.0
 

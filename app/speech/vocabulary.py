@@ -10,8 +10,8 @@ from app.base.plain_file import open_plain
 from app.speech.pocketsphinx import PocketSphinx
 from app.speech.recognition import RecognizerConfig
 
-#: A longer line is no word with its phones (bytes).
-_LONGEST_LINE = 1000
+#: More of a file is not read (bytes): the largest dictionaries in use have a tenth of it.
+_LARGEST = 64 << 20
 
 
 def dictionary_of(config: RecognizerConfig) -> Path | None:
@@ -31,8 +31,7 @@ def dictionary_of(config: RecognizerConfig) -> Path | None:
 
 def unknown_words(dictionary: Path, words: Collection[str]) -> frozenset[str]:
     """Those of ``words`` (single ones, in lower case) that ``dictionary`` does not have. Raises OSError."""
-    left = {word.encode() for word in words}
     with open_plain(dictionary) as file:
-        while left and (line := file.readline(_LONGEST_LINE)):
-            left.discard(line.partition(b" ")[0].partition(b"\t")[0].strip())
-    return frozenset(word.decode() for word in left)
+        lines = b"\n" + file.read(_LARGEST)  # searched as one: line by line it held the interpreter for 0.1 s
+    starts = {word: (f"\n{word} ".encode(), f"\n{word}\t".encode()) for word in words}
+    return frozenset(word for word, begins in starts.items() if not any(begin in lines for begin in begins))

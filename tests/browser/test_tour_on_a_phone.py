@@ -75,6 +75,18 @@ def lead(page: Page) -> None:
     expect(run).to_have_attribute("data-state", "none")
 
 
+def explore(page: Page, robot: Robot) -> None:
+    """What its laser did not see behind it is mapped by a press."""
+    page.get_by_test_id("tab-map").tap()
+    tool = page.get_by_test_id("map-explore")
+    tool.tap()
+    expect(tool).to_have_attribute("aria-pressed", "true")
+    expect(tool).to_have_attribute("aria-pressed", "false")
+    (ended,) = [each for each in robot.get("/desires")["ended"] if each["class"] == "Explore"]
+    assert ended["outcome"] == "done", ended
+    assert "all that it can reach is mapped" in ended["reason"]
+
+
 def test_on_a_phone_a_tour_is_edited_and_led(browser: Browser, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
     with (
@@ -89,3 +101,4 @@ def test_on_a_phone_a_tour_is_edited_and_led(browser: Browser, tmp_path: Path, m
         report = reported(robot)
         assert [stop["presented"] for stop in report["stops"]] == [False, False]
         assert report["failures"] == []
+        explore(page, robot)

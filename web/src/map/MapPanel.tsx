@@ -4,9 +4,19 @@ import type { ComponentChildren } from "preact";
 import { t } from "../i18n";
 import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
-import { CloseIcon, FlagIcon, HomeIcon, KeepOutIcon, PlaceIcon, SearchIcon, SlowIcon, WarnIcon } from "../ui/icons";
+import {
+  CloseIcon,
+  ExploreIcon,
+  FlagIcon,
+  HomeIcon,
+  KeepOutIcon,
+  PlaceIcon,
+  SearchIcon,
+  SlowIcon,
+  WarnIcon,
+} from "../ui/icons";
 import { narrow } from "../ui/media";
-import { goalOf, hintWords, wayWords } from "./mapText";
+import { EXPLORE, explorationsOf, goalOf, hintWords, wayWords } from "./mapText";
 import type { Tool } from "./mapTools";
 import { Stage, ViewButtons } from "./Stage";
 import { ZoneEditor } from "./Zones";
@@ -63,6 +73,8 @@ function Tools() {
   const allowed = map.allowed.value;
   const known = store.of("localization").value !== null;
   const { goes } = store.body.value;
+  const explores = store.rows.value.some((row) => row.class === EXPLORE);
+  const exploring = explorationsOf(store.of("desires").value?.desires).length > 0;
   return (
     <div class="map-tools" role="toolbar" aria-label={t("Tools on the map")} data-own-arrows>
       {goes && (
@@ -86,6 +98,20 @@ function Tools() {
             <HomeIcon />
             <span>{t("To start")}</span>
           </button>
+          {explores && (
+            <button
+              type="button"
+              class={`map-tool ${exploring ? "on" : ""}`}
+              data-testid="map-explore"
+              aria-pressed={exploring}
+              title={t("Have the robot drive to where the map ends, until all that it can reach is mapped")}
+              disabled={!allowed}
+              onClick={() => void map.explore()}
+            >
+              <ExploreIcon />
+              <span>{t("Explore")}</span>
+            </button>
+          )}
         </>
       )}
       <ToolButton

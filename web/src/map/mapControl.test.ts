@@ -48,6 +48,15 @@ describe("stopping", () => {
     expect(said).toEqual([]);
   });
 
+  test("ends exploring first, and where there is no goal just now, too", async () => {
+    const exploring = { ...goal("e", "operator"), class: "Explore", params: {} };
+    const { map, said, sent } = page([goal("b", "motivation"), exploring]);
+    expect(map.stop()).toBe(true);
+    await sent();
+    expect(said).toEqual(["remove e", "cancel", "remove b"]);
+    expect(page([exploring]).map.stop()).toBe(true);
+  });
+
   test("comes after a goal that is only on its way to the robot", async () => {
     let arrive = () => {};
     const { map, said, sent } = page([], () => new Promise((resolve) => (arrive = () => resolve({}))));

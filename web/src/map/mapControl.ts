@@ -20,7 +20,7 @@ import {
   type Size,
   zoomed,
 } from "./mapProjection";
-import { goalOf, isAsked, tripsOf } from "./mapText";
+import { EXPLORE, explorationsOf, goalOf, isAsked, tripsOf } from "./mapText";
 import { AT_REST, busy, type Input, type Sight, step, type Tool, type Tools, type Wish } from "./mapTools";
 import {
   added,
@@ -195,15 +195,19 @@ export class MapControl {
   /** Ends every trip, of any source: with one ended, the robot might set out on the next. Returns whether there is any. */
   stop(): boolean {
     const sending = this.pending.peek() === "goal";
-    const trips = tripsOf(this.store.of("desires").peek()?.desires);
-    if (trips.length > 0 || sending) void this.endAll(trips);
-    return trips.length > 0 || sending;
+    const desires = this.store.of("desires").peek()?.desires;
+    const trips = tripsOf(desires);
+    const explorations = explorationsOf(desires);
+    const any = trips.length > 0 || explorations.length > 0 || sending;
+    if (any) void this.endAll(trips, explorations);
+    return any;
   }
 
-  private async endAll(trips: readonly Desire[]): Promise<void> {
+  private async endAll(trips: readonly Desire[], explorations: readonly Desire[]): Promise<void> {
     await this.sending; // or the goal would come after its end
     const { rest } = this.session;
     const ended = await this.ask("cancel", async () => {
+      for (const exploration of explorations) await rest.removeDesire(exploration.id);
       await rest.cancelGoal();
       for (const trip of trips) if (!isAsked(trip)) await rest.removeDesire(trip.id);
     });
@@ -223,6 +227,17 @@ export class MapControl {
     if (this.store.rows.peek().find((row) => row.class === "SLAM")?.state !== "undesired") return;
     const wish = { class: "SLAM", intensity: 6, utility: 1 };
     await this.ask("desire", () => this.session.rest.addDesire(wish, `slam-${Date.now()}`));
+  }
+
+  /** Has the robot explore what the map does not have, or ends that. */
+  async explore(): Promise<void> {
+    const { rest } = this.session;
+    const explorations = explorationsOf(this.store.of("desires").peek()?.desires);
+    const wish = { class: EXPLORE, intensity: 5, utility: 1 };
+    await this.ask("desire", async () => {
+      if (explorations.length === 0) await rest.addDesire(wish, `explore-${Date.now()}`);
+      for (const exploration of explorations) await rest.removeDesire(exploration.id);
+    });
   }
 
   get canUndo(): boolean {

@@ -27,6 +27,7 @@ export interface Goal extends GoalPlace {
 }
 
 const CLASS = "GoTo";
+export const EXPLORE = "Explore";
 const ASKED = new Set(["operator", "rest"]);
 const NEAR_M = 0.1;
 /** So long an arrival is news. */
@@ -48,6 +49,11 @@ export function tripsOf(desires: readonly Desire[] | null | undefined): Desire[]
   return (desires ?? [])
     .filter((desire) => desire.class === CLASS && desire.utility > 0)
     .sort((a, b) => b.intensity - a.intensity || Number(b.security) - Number(a.security) || b.created - a.created);
+}
+
+/** What has the robot explore: it sets out for one place after another by itself. */
+export function explorationsOf(desires: readonly Desire[] | null | undefined): Desire[] {
+  return (desires ?? []).filter((desire) => desire.class === EXPLORE && desire.utility > 0);
 }
 
 /** Whether it was asked for over the console, by people or programs. */

@@ -282,6 +282,12 @@ export const HomeIcon = () => (
     <path d="M3.5 11.5L12 4l8.5 7.5M6 10v9.5h12V10" />
   </Icon>
 );
+export const ExploreIcon = () => (
+  <Icon>
+    <circle cx="12" cy="12" r="8.5" />
+    <path d="M15.5 8.5l-2 5-5 2 2-5z" />
+  </Icon>
+);
 export const PlaceIcon = () => (
   <Icon>
     <path d="M12 3l6 16-6-4-6 4z" />

@@ -8,6 +8,9 @@ export const map = {
   "Return to the start of the map; gamepad: button 3 (Y, △)":
     "Retour au départ de la carte ; manette : bouton 3 (Y, △)",
   "To start": "Au départ",
+  "Have the robot drive to where the map ends, until all that it can reach is mapped":
+    "Faire rouler le robot là où la carte finit, jusqu’à ce que tout ce qu’il peut atteindre soit cartographié",
+  Explore: "Explorer",
   "Set pose": "Situer",
   "Press on the robot's place, drag to set its heading": "Appuyer à la place du robot, glisser pour fixer son cap",
   "Search for the robot's pose on the map": "Chercher la pose du robot sur la carte",

@@ -1,0 +1,1 @@
+"""Curiosity: the motivation that has the robot explore what its map does not have."""

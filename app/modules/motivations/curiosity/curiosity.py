@@ -1,0 +1,253 @@
+"""Curiosity: the motivation that explores: it desires to go where the map ends, until all that it can reach is mapped.
+
+    ┌─────────────────────────────────────────────────────────────────────────────────────────┐
+    │ Curiosity  in  localization  Localization: where the robot is on the map; its filter is  │
+    │                              attention's                                                 │
+    │            in  map           OccupancyGrid, when it changes                              │
+    │            in  zones         Zones: keep-out zones are not explored; may be absent       │
+    │            in  base          Exploitation of the base, for its drive; may be absent      │
+    │            serves desires of class Explore by desires of class GoTo                      │
+    └─────────────────────────────────────────────────────────────────────────────────────────┘
+
+Of the frontiers of the map (``frontiers.py``) it desires the one that costs least, as intensely as exploring itself is
+desired: a goal of people that is desired more has its way. Most frontiers are seen before they are reached; the next is
+desired at once. One that could not be reached comes last, and is tried once more. A desire Explore is done when none is
+left for a while: a map that still grows has others soon. Where people withdraw the goal, as by stopping all driving,
+exploring ends with it.
+
+With ``grows_s`` it is a drive (``drive.py``), too: the longer no behavior has moved the robot, the more it desires to
+explore.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Final
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from app.attention.desires import Desire, DesireClass, Source
+from app.attention.workspace import UnknownDesire
+from app.base.geometry import Pose2, wrap_angle
+from app.maps.place_checks import inscribed_radius_m
+from app.messages import Accomplishment, Exploitation, Localization, OccupancyGrid, Zone, Zones
+from app.modules.motivations.curiosity.frontiers import (
+    Frontier,
+    Refused,
+    choose,
+    frontiers,
+    known_floor_m2,
+    refuse,
+)
+from app.modules.motivations.drive import Drive, DriveSettings
+from app.modules.stream_module import robot_link
+from app.runtime.module import ModuleContext
+
+GO_TO: Final = "GoTo"
+_BEAT_S = 1.0
+#: Near enough to a frontier (m, rad): what is to be seen from there is seen.
+_TOLERANCE: Final = {"tolerance_m": 0.3, "tolerance_rad": 0.4}
+#: Only in these states of localization does a pose mean anything.
+_LOCALIZED: Final = frozenset({"mapping", "tracking"})
+
+
+class ExploreParameters(BaseModel):
+    """Parameters of a desire of class Explore."""
+
+    model_config = ConfigDict(extra="forbid", title="Explore", allow_inf_nan=False)
+
+    speed: float = Field(0.8, gt=0, le=1, title="Speed", description="Share of the robot's greatest speeds, 0 to 1.")
+    within_m: float | None = Field(
+        None,
+        gt=0,
+        le=1000,
+        title="Within",
+        description="No further than so many metres from its beginning; none: any.",
+    )
+
+
+EXPLORE = DesireClass(
+    name="Explore",
+    title="Explore",
+    description="Drive to where the map ends, until all that can be reached is mapped; the desire ends then.",
+    parameters=ExploreParameters,
+    achievement=True,
+)
+
+
+class CuriositySettings(DriveSettings):
+    """Settings of Curiosity; those of its drive (``grows_s``) are off as shipped."""
+
+    least_m: float = Field(0.4, gt=0, le=5, description="a shorter border between free floor and unknown is left alone")
+    settled_s: float = Field(5.0, ge=0, description="time without a frontier after which all is explored")
+    tries: int = Field(2, ge=1, le=10, description="how often a frontier that cannot be reached is tried")
+    spare_m: float = Field(0.05, ge=0, le=0.5, description="room around the body where it is sent")
+
+
+class Curiosity(Drive):
+    """Explores what the map does not have."""
+
+    title = "Curiosity"
+    desire_classes = (EXPLORE,)
+    drive_class = EXPLORE.name
+    Settings = CuriositySettings
+    settings: CuriositySettings
+
+    def __init__(self, context: ModuleContext) -> None:
+        super().__init__(context)
+        self.map = self.input("map", OccupancyGrid, rests=True)
+        self.localization = self.input("localization", Localization)
+        self.zones = self.input("zones", Zones, wants="never", rests=True)
+        self.base = self.input("base", Exploitation, wants="never")
+        self.on(self.map, self._take_map)
+        self.on(self.localization, self._take_localization)
+        self.on(self.zones, self._take_zones)
+        self.on(self.base, self._take_base)
+        self.every(_BEAT_S, self._explore)
+        self._radius_m = 0.0
+        self._grid: OccupancyGrid | None = None
+        self._zones: tuple[Zone, ...] = ()
+        self._X_MB: Pose2 | None = None
+        self._run: _Exploration | None = None
+        self._idle = False
+
+    async def start(self) -> None:
+        await super().start()
+        self._radius_m = inscribed_radius_m(robot_link(self).description.footprint) + self.settings.spare_m
+
+    async def stop(self) -> None:
+        """Withdraw its desires."""
+        self._end()
+        await super().stop()
+
+    def grows(self) -> bool:
+        """While no behavior moves the base: what it knows grows old then."""
+        return self._idle
+
+    async def _take_map(self, grid: OccupancyGrid) -> None:
+        self._grid = grid
+
+    async def _take_localization(self, localization: Localization) -> None:
+        self._X_MB = localization.X_MB if localization.state in _LOCALIZED else None
+
+    async def _take_zones(self, zones: Zones) -> None:
+        self._zones = zones.zones
+
+    async def _take_base(self, exploitation: Exploitation) -> None:
+        self._idle = exploitation.behavior is None
+
+    async def _explore(self) -> None:
+        desire = self._workspace.wanted(EXPLORE.name)
+        if desire is None or not self.localization.subscription.filter.is_open:
+            self._end()
+            return
+        grid, X_MB = self._grid, self._X_MB
+        if grid is None or X_MB is None:
+            return  # the goal in force stays: the pose may come back
+        run = self._run
+        if run is None or run.desire_id != desire.id:
+            self._end()
+            run = self._run = _Exploration(desire.id, X_MB, self.clock.now())
+        if not self._look_at_goal(run):
+            return
+        given = ExploreParameters.model_validate(desire.params)
+        found = await self.compute(frontiers, grid, self._zones, X_MB, self._radius_m, self.settings.least_m)
+        if self._run is not run:
+            return  # it was ended meanwhile
+        within = [each for each in found if given.within_m is None or _apart(each.stand, run.began) <= given.within_m]
+        self._go_on(run, desire, given, choose(within, X_MB, run.frontier, run.refused, self.settings.tries))
+
+    def _go_on(self, run: _Exploration, desire: Desire, given: ExploreParameters, goal: Frontier | None) -> None:
+        now = self.clock.now()
+        if goal is None:
+            self._withdraw(run)
+            if now - run.frontier_seen >= self.settings.settled_s:
+                self._done(run)
+            return
+        run.frontier_seen = now
+        stand = goal.stand
+        if run.goal is not None and run.frontier is not None and _same_stand(stand, run.frontier.stand):
+            if self._workspace.get(run.goal).intensity < desire.intensity:
+                self._workspace.change(run.goal, intensity=desire.intensity)
+            return
+        params: dict[str, Any] = {
+            "x": round(stand.x, 3), "y": round(stand.y, 3), "heading": round(stand.theta, 3),
+            "speed": given.speed, "name": "unknown ground", **_TOLERANCE,
+        }  # fmt: skip
+        run.frontier = goal
+        if run.goal is not None:
+            self._workspace.change(run.goal, params=params)
+        else:
+            source = Source("motivation", self.name)
+            added = self._workspace.add(GO_TO, intensity=desire.intensity, utility=1.0, params=params, source=source)
+            run.goal = added.id
+
+    def _look_at_goal(self, run: _Exploration) -> bool:
+        """Take what has become of the desire for a frontier; whether exploring goes on.
+
+        Where people withdrew it they want the robot to stay: exploring ends with it.
+        """
+        if run.goal is None or run.frontier is None:
+            return True
+        try:
+            report = self._workspace.report(run.goal)
+        except UnknownDesire:
+            report = None
+        if report is not None and report.ended is None:
+            return True
+        if report is None or report.outcome not in ("done", "failed"):
+            self._run = None
+            self._workspace.remove(run.desire_id)
+            return False
+        # Seen from there, a frontier is none any more: one that stays cannot be seen, and is as one not reached.
+        run.refused = refuse(run.refused, run.frontier)
+        run.goal = run.frontier = None
+        return True
+
+    def _done(self, run: _Exploration) -> None:
+        now, grid = self.clock.now(), self._grid
+        area_m2 = 0.0 if grid is None else known_floor_m2(grid)
+        left = sum(each.times >= self.settings.tries for each in run.refused)
+        reason = f"all that it can reach is mapped: {area_m2:.0f} m² of floor in {now - run.since:.0f} s"
+        if left:
+            reason += f"; {left} {'place' if left == 1 else 'places'} could not be looked at"
+        self._run = None
+        self._workspace.accomplish(Accomplishment(now, run.desire_id, self.name, "done", reason))
+
+    def _end(self) -> None:
+        run, self._run = self._run, None
+        if run is not None:
+            self._withdraw(run)
+
+    def _withdraw(self, run: _Exploration) -> None:
+        goal, run.goal, run.frontier = run.goal, None, None
+        if goal is None:
+            return
+        try:
+            self._workspace.remove(goal)
+        except UnknownDesire:
+            self.log.debug("desire %s has left already", goal)
+
+
+class _Exploration:
+    """The exploration for one desire, begun at ``began`` at the time ``since``."""
+
+    def __init__(self, desire_id: str, began: Pose2, since: float) -> None:
+        self.desire_id = desire_id
+        self.began = began
+        self.since = since
+        #: When there last was a frontier to go to.
+        self.frontier_seen = since
+        #: What is gone to, and the id of the desire for it.
+        self.frontier: Frontier | None = None
+        self.goal: str | None = None
+        self.refused: tuple[Refused, ...] = ()
+
+
+def _apart(a: Pose2, b: Pose2) -> float:
+    return math.hypot(a.x - b.x, a.y - b.y)
+
+
+def _same_stand(a: Pose2, b: Pose2) -> bool:
+    turned = abs(wrap_angle(a.theta - b.theta))
+    return _apart(a, b) <= _TOLERANCE["tolerance_m"] and turned <= _TOLERANCE["tolerance_rad"]
