@@ -29,7 +29,7 @@ export function later<P extends object>(load: () => Promise<(props: P) => Compon
     return failed.value ? (
       <p class="later muted" role="alert" data-testid="not-loaded">
         {t("This part of the page did not load.")}{" "}
-        <button type="button" class="link-button" onClick={ask}>
+        <button type="button" class="link-button" data-testid="load-again" onClick={ask}>
           {t("Try again")}
         </button>
       </p>
