@@ -1,8 +1,9 @@
 """What a browser loads for the operator page: each file as the console sends it, and all, without viser's 3D view.
 
-The files are those that the built ``index.html`` names, and those that they name in turn (workers, parts loaded later).
-*Ours* is what comes with Brotli (https and localhost), the peer gzip (elsewhere); of all, the goal of 200 kB. A browser
-loads the words of a language other than English when it is chosen.
+The files are those that the built ``index.html`` names, and those that they name in turn. *Opening* is what comes
+before the page is there: scripts and style, what these import, workers, and the words of the reader's language other
+than English. *All* has the parts too that come when they are first shown: tours, load, graph, recordings, forms. *Ours*
+is what comes with Brotli (https and localhost), the peer gzip (elsewhere); of sums, the goal of 200 kB.
 """
 
 from __future__ import annotations
@@ -23,8 +24,18 @@ OTHER_PAGES = ("face", "rest", "visitor")
 LANGUAGES = {"fr-": "French"}
 
 
-def loaded(static: Path, entry: str = "index.html") -> list[Path]:
-    """The files under ``static`` that ``entry`` leads to, itself first. Raises SystemExit where it is not built."""
+#: A file that a script or page names in any way; and in one that a browser follows at once: not ``import(...)``.
+NAMED = re.compile(r"([\w.-]+\.(?:js|css|svg))\b")
+AT_ONCE = re.compile(
+    r"""(?:src=|href=|from|import|new URL\()\s*["'`](?:[./]*assets/|\./)?([\w.-]+\.(?:js|css|svg))["'`]"""
+)
+
+
+def loaded(static: Path, names: re.Pattern[str] = NAMED, entry: str = "index.html") -> list[Path]:
+    """The files under ``static`` that ``entry`` leads to by ``names``, itself first.
+
+    Raises SystemExit where it is not built.
+    """
     first = static / entry
     if not first.is_file():
         raise SystemExit(
@@ -34,7 +45,7 @@ def loaded(static: Path, entry: str = "index.html") -> list[Path]:
     found, left = [first], [first]
     while left:
         text = left.pop().read_text(encoding="utf-8")
-        for name in re.findall(r"[\w.-]+\.(?:js|css|svg)\b", text):
+        for name in names.findall(text):
             path = there.get(name)
             if path is not None and path not in found and not name.startswith(OTHER_PAGES):
                 found.append(path)
@@ -49,21 +60,28 @@ def sent(path: Path, coding: str) -> int:
 
 
 def measure(static: Path) -> Sequence[Row]:
-    """Each file of the page built in ``static``, and all of them in each language."""
+    """Each file of the page built in ``static``, and in each language those of the opening and all of them."""
     rows = []
-    totals = {language: {"br": 0.0, "gzip": 0.0} for language in ("English", *LANGUAGES.values())}
+    at_once = set(loaded(static, AT_ONCE))
+    sums = {
+        (which, language): dict.fromkeys(CODINGS, 0.0)
+        for which in ("opening", "all")
+        for language in ("English", *LANGUAGES.values())
+    }
     for path in loaded(static):
         # Without the hash of its content, which Vite puts behind the name.
         name = re.sub(r"-[\w-]{8}(?=\.\w+$)", "", path.name)
         sizes = {coding: 1e-3 * sent(path, coding) for coding in CODINGS}
         rows.append(row("page_weight", name, "Brotli", "kB", [sizes["br"]], [sizes["gzip"]], "gzip"))
         of = next((language for begin, language in LANGUAGES.items() if path.name.startswith(begin)), None)
-        for language in totals if of is None else (of,):
-            for coding, size in sizes.items():
-                totals[language][coding] += size
-    for language, total in totals.items():
+        for (which, language), total in sums.items():
+            if of == language or (of is None and (which == "all" or path in at_once)):
+                for coding, size in sizes.items():
+                    total[coding] += size
+    for (which, language), total in sums.items():
         for coding, named in (("br", "Brotli"), ("gzip", "gzip")):
-            rows.append(row("page_weight", f"all in {language}", named, "kB", [total[coding]], [GOAL_KB], "the goal"))
+            case = f"{which} in {language}"
+            rows.append(row("page_weight", case, named, "kB", [total[coding]], [GOAL_KB], "the goal"))
     return rows
 
 

@@ -1,5 +1,6 @@
 /// <reference types="vitest/config" />
 import { defineConfig } from "vite";
+import { scriptOf } from "./chunks";
 import { compress } from "./compress";
 
 // `npm run dev` serves the page with hot reload in front of a console that runs elsewhere.
@@ -14,7 +15,10 @@ export default defineConfig({
     emptyOutDir: true,
     target: "es2022",
     modulePreload: { polyfill: false },
-    rolldownOptions: { input: ["index.html", "face.html", "visitor.html", "rest.html"] },
+    rolldownOptions: {
+      input: ["index.html", "face.html", "visitor.html", "rest.html"],
+      output: { codeSplitting: { includeDependenciesRecursively: false, groups: [{ name: scriptOf }] } },
+    },
     license: { fileName: "licenses.md" },
     chunkSizeWarningLimit: 2000, // Swagger UI, on the page on REST alone
   },

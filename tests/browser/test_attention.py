@@ -124,9 +124,17 @@ def test_one_press_adds_a_desire_and_the_panel_says_what_gives_way(robot: Robot,
 
 
 def test_what_is_felt_is_over_the_lanes(page: Page) -> None:
-    """Joy of what is exploited: how strong it is, and which classes it comes from."""
+    """Joy of what is exploited: its name, how strong it is, and, once pressed, which classes it comes from."""
     joy = page.locator("[data-testid=emotions] [data-emotion=joy]")
-    expect(joy).to_have_attribute("title", re.compile(r"^joy [01](\.\d+)?\n(.*\n)*Find QR codes 0\.\d+"))
+    expect(joy).to_have_attribute("aria-description", re.compile(r"^(.*\n)*Find QR codes 0\.\d+"))
+    for part, says in (("name", re.compile(r"^joy$")), ("figure", re.compile(r"^[01](\.\d+)?$"))):
+        expect(joy.locator(f".feeling-{part}")).to_have_text(says)
+        expect(joy.locator(f".feeling-{part}")).to_be_visible()
+    why = joy.locator(".feeling-why")
+    expect(why).to_be_hidden()
+    joy.dispatch_event("click")  # as a finger presses, which nothing hovers over
+    expect(why).to_be_visible()
+    expect(why).to_contain_text("Find QR codes")
 
 
 def test_a_budget_is_set_on_the_page_and_set_back(robot: Robot, page: Page) -> None:

@@ -3,82 +3,18 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { fromRobot, t } from "../i18n";
-import { idempotencyKey, inWords, Problem } from "../protocol/rest";
+import { idempotencyKey, Problem } from "../protocol/rest";
 import type { DesireClass } from "../protocol/types";
 import { useApp } from "../state/context";
 import { nameAndTitle, spaced } from "../ui/format";
-import { LockIcon, PlusIcon } from "../ui/icons";
+import { LockIcon } from "../ui/icons";
 import { FieldInput, Labelled } from "./FieldInput";
-import { curl, type Quick, quick } from "./quick";
-import { type Errors, fieldsOf, initialValues, offered, paramsOf, placeErrors, type Values } from "./schema";
+import { curl } from "./quick";
+import { type Errors, fieldsOf, initialValues, paramsOf, placeErrors, type Values } from "./schema";
 
 const OWN = { intensity: "4", utility: "4", ttl: "" };
 
-export function DesireForm() {
-  const open = useSignal(false);
-  const { store } = useApp();
-  // What nothing here serves is no choice: a recording is not recorded.
-  const classes = offered(store.hello.value?.classes ?? []);
-  const add = useRef<HTMLButtonElement>(null);
-  if (open.value) {
-    const close = () => {
-      open.value = false;
-      requestAnimationFrame(() => add.current?.focus());
-    };
-    return <Form classes={classes} onClose={close} />;
-  }
-  const scale = store.hello.value?.scale ?? { intensity: 8, utility: 8 };
-  return (
-    <div class="desire-quick">
-      <button
-        type="button"
-        ref={add}
-        class="button"
-        data-testid="desire-add"
-        disabled={classes.length === 0}
-        onClick={() => (open.value = true)}
-      >
-        <PlusIcon /> {t("Add a desire")}
-      </button>
-      {quick(classes, scale).map((one) => (
-        <QuickButton key={one.title} one={one} />
-      ))}
-    </div>
-  );
-}
-
-function QuickButton({ one }: { one: Quick }) {
-  const { session, store } = useApp();
-  const busy = useSignal(false);
-  const add = async () => {
-    busy.value = true;
-    try {
-      await session.rest.addDesire(one.desire, idempotencyKey());
-      store.notify("info", t("Added a desire: {title}.", { title: one.title }));
-    } catch (error) {
-      store.notify("error", `${one.title}: ${inWords(error)}`);
-    } finally {
-      busy.value = false;
-    }
-  };
-  return (
-    <button
-      type="button"
-      class="kind"
-      data-testid={`quick-${one.desire.class}`}
-      disabled={busy.value}
-      title={t("Adds a desire for {class} that lasts {ttl} s", {
-        class: spaced(one.desire.class),
-        ttl: one.desire.ttl,
-      })}
-      onClick={() => void add()}
-    >
-      {one.title}
-    </button>
-  );
-}
-
-function Form({ classes, onClose }: { classes: DesireClass[]; onClose: () => void }) {
+export function DesireForm({ classes, onClose }: { classes: DesireClass[]; onClose: () => void }) {
   const { session, store } = useApp();
   const chosen = useSignal(classes[0]?.name ?? "");
   const own = useSignal<Values>(OWN);

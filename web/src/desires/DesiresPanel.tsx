@@ -4,8 +4,8 @@ import { t } from "../i18n";
 import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
 import type { Message } from "../state/latest";
-import { DesireForm } from "./DesireForm";
 import { DesireList, EndedList } from "./DesireList";
+import { DesireQuick } from "./DesireQuick";
 
 /** At the top of the tab: what people come for. */
 export const addDesirePanel = panel({ type: "desires", tab: "Attention", Card: AddDesire, offered: () => true });
@@ -32,7 +32,7 @@ function AddDesire() {
   if (store.replay.value) return null;
   return (
     <section class="card" aria-label={t("Add a desire")}>
-      <DesireForm />
+      <DesireQuick />
     </section>
   );
 }

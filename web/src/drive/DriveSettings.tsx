@@ -3,9 +3,11 @@
 import { type Text, t } from "../i18n";
 import { useApp } from "../state/context";
 import { SlidersIcon } from "../ui/icons";
+import { later } from "../ui/later";
 import { usePopup } from "../ui/usePopup";
 import { STYLES, type Style } from "./driveStyle";
-import { PadEditor } from "./PadEditor";
+
+const PadEditor = later(async () => (await import("./PadEditor")).PadEditor);
 
 const STYLE_WORDS: Record<Style, readonly [Text, Text]> = {
   hold: ["Hold", "The robot moves while a key or the stick is held"],

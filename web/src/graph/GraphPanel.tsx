@@ -4,7 +4,6 @@ import { useSignal } from "@preact/signals";
 import { useLayoutEffect } from "preact/hooks";
 import { named, type Text, t, within } from "../i18n";
 import { filterWords } from "../panels/attentionText";
-import { panel } from "../panels/panel";
 import type { Load } from "../protocol/types";
 import { useApp } from "../state/context";
 import { number, spaced } from "../ui/format";
@@ -31,9 +30,7 @@ const COLUMNS: Record<Role, Text> = {
   other: "Others",
 };
 
-export const graphPanel = panel({ type: "load", tab: "Graph", Card: GraphCard, offered: (_, phone) => !phone });
-
-function GraphCard({ message: load }: { message: Load | null }) {
+export function GraphCard({ message: load }: { message: Load | null }) {
   const { store } = useApp();
   const all = useSignal(false);
   const large = useSignal(false);

@@ -1,5 +1,9 @@
-/** What the robot feels: four thin lines over the lanes, as long as each emotion is strong. Loaded once something is felt. */
+/**
+ * What the robot feels: a name, a figure and a thin line for each emotion, over the lanes. Under the pointer, or once
+ * pressed, each says whose neglect and success it comes from. Loaded once something is felt.
+ */
 
+import { useSignal } from "@preact/signals";
 import { named, t } from "../i18n";
 import type { EmotionLevel } from "../protocol/types";
 import { number, spaced } from "../ui/format";
@@ -16,30 +20,36 @@ export function feelingWords({ emotion, intensity, sources }: EmotionLevel): str
 }
 
 export function Feelings({ levels }: { levels: readonly EmotionLevel[] }) {
+  const open = useSignal("");
   return (
-    <div role="group" aria-label={t("Emotions")} data-testid="emotions" style="flex:none;padding:2px 0">
-      {levels.map((level) => (
-        <div
-          key={level.emotion}
-          role="meter"
-          aria-valuemin={0}
-          aria-valuemax={1}
-          aria-valuenow={level.intensity}
-          aria-label={feelingWords(level)}
-          title={feelingWords(level)}
-          data-emotion={level.emotion}
-          style="padding:1px 0"
-        >
-          <div
-            style={{
-              height: "2px",
-              width: `${100 * level.intensity}%`,
-              minWidth: "2px",
-              background: COLORS[level.emotion],
-            }}
-          />
-        </div>
-      ))}
+    <div class="feelings" role="group" aria-label={t("Emotions")} data-testid="emotions">
+      {levels.map((level) => {
+        const { emotion, intensity } = level;
+        const [, ...from] = feelingWords(level).split("\n");
+        const why = from.length > 0 ? from.join("\n") : t("No desire feeds it now.");
+        return (
+          <button
+            key={emotion}
+            type="button"
+            class={`feeling ${open.value === emotion ? "open" : ""}`}
+            aria-description={why}
+            aria-expanded={open.value === emotion}
+            data-emotion={emotion}
+            data-intensity={intensity}
+            onClick={() => (open.value = open.peek() === emotion ? "" : emotion)}
+            onBlur={() => (open.value = "")}
+          >
+            <span class="feeling-name">{named(emotion)}</span>
+            <span class="feeling-figure">{number(intensity, 2)}</span>
+            <span class="feeling-line">
+              <span style={{ width: `${100 * intensity}%`, background: COLORS[emotion] }} />
+            </span>
+            <span class="feeling-why" aria-hidden="true">
+              {why}
+            </span>
+          </button>
+        );
+      })}
     </div>
   );
 }

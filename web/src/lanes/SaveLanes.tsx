@@ -6,7 +6,6 @@ import { t } from "../i18n";
 import { useApp } from "../state/context";
 import { DownloadIcon } from "../ui/icons";
 import type { LaneChart } from "./chart";
-import { lanesCsv, lanesSvg } from "./saved";
 
 const PNG_SCALE = 2;
 
@@ -19,18 +18,18 @@ interface Props {
 export function SaveLanes({ chart, classes, suffix }: Props) {
   const { store } = useApp();
   const open = useSignal(false);
-  const svg = (of: LaneChart) =>
-    lanesSvg(of.shownHistory(), classes, of.edges(), store.hello.peek()?.scale.intensity ?? 8);
   const save = async (kind: "svg" | "png" | "csv") => {
     open.value = false;
     const of = chart.current;
     if (!of) return;
+    const { lanesCsv, lanesSvg } = await import("./saved");
+    const svg = () => lanesSvg(of.shownHistory(), classes, of.edges(), store.hello.peek()?.scale.intensity ?? 8);
     const stamp = new Date(of.edges().to * 1000).toISOString().slice(0, 19).replaceAll(":", "-");
     const name = `lanes-${stamp}.${kind}`;
     if (kind === "csv")
       download(name, new Blob([lanesCsv(of.shownHistory(), classes, of.edges())], { type: "text/csv" }));
-    else if (kind === "svg") download(name, new Blob([svg(of)], { type: "image/svg+xml" }));
-    else download(name, await toPng(svg(of)));
+    else if (kind === "svg") download(name, new Blob([svg()], { type: "image/svg+xml" }));
+    else download(name, await toPng(svg()));
   };
   return (
     <div class="lanes-save">

@@ -3,21 +3,13 @@
 import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
 import { rich, t } from "../i18n";
-import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
 import { PlusIcon, WarnIcon } from "../ui/icons";
 import { Confirm } from "./Confirm";
 import { nameProblem } from "./library";
 import { MapRow } from "./MapRow";
 
-export const mapsPanel = panel({
-  type: "localization",
-  tab: "Map",
-  Card: Maps,
-  offered: ({ store }) => store.body.value.maps && !store.replay.value,
-});
-
-function Maps() {
+export function Maps() {
   const { maps, store } = useApp();
   const list = maps.list.value;
   const problem = maps.problem.value || maps.unread.value;

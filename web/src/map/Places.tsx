@@ -2,7 +2,6 @@
 
 import { useSignal } from "@preact/signals";
 import { t } from "../i18n";
-import { panel } from "../panels/panel";
 import type { Place } from "../protocol/types";
 import { useApp } from "../state/context";
 import type { Message } from "../state/latest";
@@ -11,9 +10,7 @@ import { PencilIcon, PlaceIcon, QrIcon, TrashIcon } from "../ui/icons";
 import { Confirm } from "./Confirm";
 import { placeNameProblem } from "./placeControl";
 
-export const placesPanel = panel({ type: "places", tab: "Map", Card: Places });
-
-function Places({ message }: { message: Message<"places"> | null }) {
+export function Places({ message }: { message: Message<"places"> | null }) {
   const { map, places, store } = useApp();
   const all = message?.places ?? [];
   const replay = store.replay.value;

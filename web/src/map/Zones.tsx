@@ -3,21 +3,13 @@
 import { useSignal } from "@preact/signals";
 import { useId } from "preact/hooks";
 import { t } from "../i18n";
-import { panel } from "../panels/panel";
 import type { Zone } from "../protocol/types";
 import { useApp } from "../state/context";
 import { number } from "../ui/format";
 import { KeepOutIcon, SlowIcon, TrashIcon, UndoIcon } from "../ui/icons";
 import { asSpeed, changed, nameProblem, removed } from "./zoneList";
 
-export const zonesPanel = panel({
-  type: "zones",
-  tab: "Map",
-  Card: Zones,
-  offered: ({ store }) => store.body.value.maps,
-});
-
-function Zones() {
+export function Zones() {
   const { map, store } = useApp();
   const replay = store.replay.value;
   const zones = map.zones.value;

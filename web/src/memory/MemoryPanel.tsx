@@ -3,7 +3,6 @@
 import { useSignal } from "@preact/signals";
 import { fromRobot, plural, t } from "../i18n";
 import { Confirm } from "../map/Confirm";
-import { panel } from "../panels/panel";
 import { inWords } from "../protocol/rest";
 import type { EpisodeSummary, MemoryState } from "../protocol/types";
 import { useApp } from "../state/context";
@@ -12,14 +11,7 @@ import { number, sentence, spaced } from "../ui/format";
 import { TrashIcon } from "../ui/icons";
 import { eventWords, itemWords, recognizedWords, timesWords } from "./memoryText";
 
-export const memoryPanel = panel({
-  type: "memory",
-  tab: "Memory",
-  Card: Memory,
-  offered: ({ store }) => store.of("memory").value?.on === true,
-});
-
-function Memory({ message }: { message: Message<"memory"> | null }) {
+export function Memory({ message }: { message: Message<"memory"> | null }) {
   const { session, store } = useApp();
   const refusal = useSignal("");
   const deleting = useSignal(false);

@@ -5,10 +5,6 @@ import { t } from "../i18n";
 import { inWords } from "../protocol/rest";
 import type { LinkReport } from "../protocol/types";
 import { useApp } from "../state/context";
-import { WarnIcon } from "../ui/icons";
-import { panel } from "./panel";
-
-export const linkPanel = panel({ type: "link", tab: "Load", Card: LinkShape });
 
 const FIELDS = [
   { name: "delay_ms", label: "Round trip, ms", most: 5000 },
@@ -19,27 +15,7 @@ const FIELDS = [
 
 const problem = signal("");
 
-/** In the bar: a link that is shaped must not be taken for the network's own. */
-export function ShapedLink() {
-  const text = useApp().store.of("link").value?.text;
-  if (!text) return null;
-  return (
-    <p
-      class="chip warn link-shaped"
-      role="status"
-      data-testid="link-shaped"
-      title={t("Link shaped for tests: {text}", { text })}
-    >
-      <WarnIcon />
-      <span>
-        {t("Link shaped")}
-        <span class="roomy">: {text}</span>
-      </span>
-    </p>
-  );
-}
-
-function LinkShape({ message: link }: { message: LinkReport | null }) {
+export function LinkShape({ message: link }: { message: LinkReport | null }) {
   const { session } = useApp();
   const shape = async (change: Record<string, number>) => {
     try {

@@ -9,18 +9,8 @@ import { ChevronIcon, WarnIcon } from "../ui/icons";
 import { Meter } from "../ui/Meter";
 import { ClosedLoop } from "./ClosedLoop";
 import { CpuPlot } from "./CpuPlot";
-import { panel } from "./panel";
 
-export const loadPanel = panel({
-  type: "load",
-  tab: "Load",
-  Card: Load,
-  offered: () => true,
-  badge: (message) => (troubled(message) ? "!" : 0),
-  alarm: troubled,
-});
-
-function Load({ message: load }: { message: LoadMessage | null }) {
+export function Load({ message: load }: { message: LoadMessage | null }) {
   return (
     <section class="card" aria-label={t("Load")} data-testid="load">
       <h2>{t("Load")}</h2>
@@ -64,10 +54,6 @@ function Body({ load }: { load: LoadMessage }) {
       </ul>
     </>
   );
-}
-
-function troubled(load: LoadMessage | null): boolean {
-  return load?.modules.some(({ state }) => state === "failed" || state === "hung") ?? false;
 }
 
 /** What is wrong comes first. */

@@ -2,16 +2,8 @@
 
 import { t } from "../i18n";
 import { useApp } from "../state/context";
-import { panel } from "./panel";
 
-export const picturesPanel = panel({
-  type: "load",
-  tab: "Load",
-  Card: Pictures,
-  offered: ({ store }) => store.hello.value?.channels.camera !== false,
-});
-
-function Pictures() {
+export function Pictures() {
   const { store, camera } = useApp();
   const coding = camera.coding.value;
   const problem =

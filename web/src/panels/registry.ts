@@ -3,26 +3,95 @@
 import { aroundPanel } from "../around/AroundPanel";
 import { addDesirePanel, desiresPanel } from "../desires/DesiresPanel";
 import { rulesPanel } from "../desires/RulesPanel";
-import { graphPanel } from "../graph/GraphPanel";
 import { lanesPanel } from "../lanes/Lanes";
 import { mapPanel } from "../map/MapPanel";
-import { mapsPanel } from "../map/Maps";
-import { placesPanel } from "../map/Places";
-import { zonesPanel } from "../map/Zones";
-import { memoryPanel } from "../memory/MemoryPanel";
-import { recordingsPanel } from "../recordings/Recordings";
 import { wordsPanel } from "../speech/WordsPanel";
-import { tourPanel } from "../tours/TourPanel";
-import { tourReportsPanel, tourRunPanel } from "../tours/TourRunPanel";
+import { troubled } from "../state/load";
+import { badgeOf, isUrgent } from "../tours/tourRunText";
+import { later } from "../ui/later";
 import { eventsPanel } from "./Events";
 import { foundPanel } from "./Found";
 import { intentionPanel } from "./Intention";
-import { linkPanel } from "./LinkShape";
-import { loadPanel } from "./Load";
 import { peoplePanel } from "./People";
-import { picturesPanel } from "./Pictures";
-import type { Panel } from "./panel";
+import { type Panel, panel } from "./panel";
 import { whatIfPanel } from "./WhatIf";
+
+// What most visitors never open is loaded with the tab that shows it.
+const graphPanel = panel({
+  type: "load",
+  tab: "Graph",
+  Card: later(async () => (await import("../graph/GraphPanel")).GraphCard),
+  offered: (_, phone) => !phone,
+});
+const placesPanel = panel({
+  type: "places",
+  tab: "Map",
+  Card: later(async () => (await import("../map/cards")).Places),
+});
+const zonesPanel = panel({
+  type: "zones",
+  tab: "Map",
+  Card: later(async () => (await import("../map/cards")).Zones),
+  offered: ({ store }) => store.body.value.maps,
+});
+const mapsPanel = panel({
+  type: "localization",
+  tab: "Map",
+  Card: later(async () => (await import("../map/cards")).Maps),
+  offered: ({ store }) => store.body.value.maps && !store.replay.value,
+});
+const tourRunPanel = panel({
+  type: "tour",
+  tab: "Tour",
+  Card: later(async () => (await import("../tours/cards")).TourRun),
+  offered: ({ store }) => store.body.value.maps && store.of("tour").value !== null,
+  badge: badgeOf,
+  alarm: isUrgent,
+});
+const tourPanel = panel({
+  type: "places",
+  tab: "Tour",
+  Card: later(async () => (await import("../tours/cards")).Tours),
+  offered: ({ store }) => store.body.value.maps && !store.replay.value,
+});
+const tourReportsPanel = panel({
+  type: "tour",
+  tab: "Tour",
+  Card: later(async () => (await import("../tours/cards")).TourReports),
+  offered: ({ store, tours }) => store.of("tour").value !== null && !store.replay.value && tours.draft.value === null,
+});
+const memoryPanel = panel({
+  type: "memory",
+  tab: "Memory",
+  Card: later(async () => (await import("../memory/MemoryPanel")).Memory),
+  offered: ({ store }) => store.of("memory").value?.on === true,
+});
+const loadPanel = panel({
+  type: "load",
+  tab: "Load",
+  Card: later(async () => (await import("./loadCards")).Load),
+  offered: () => true,
+  badge: (message) => (troubled(message) ? "!" : 0),
+  alarm: troubled,
+});
+const picturesPanel = panel({
+  type: "load",
+  tab: "Load",
+  Card: later(async () => (await import("./loadCards")).Pictures),
+  offered: ({ store }) => store.hello.value?.channels.camera !== false,
+});
+const linkPanel = panel({
+  type: "link",
+  tab: "Load",
+  Card: later(async () => (await import("./loadCards")).LinkShape),
+});
+const recordingsPanel = panel({
+  type: "recorder",
+  tab: "Recordings",
+  Card: later(async () => (await import("../recordings/Recordings")).Recordings),
+  offered: ({ store }) => !store.replay.value,
+  alarm: (message) => message?.state === "stopped",
+});
 
 export const PANELS: readonly Panel[] = [
   addDesirePanel,

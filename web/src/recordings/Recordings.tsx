@@ -2,7 +2,6 @@
 
 import { useEffect, useRef } from "preact/hooks";
 import { rich, t } from "../i18n";
-import { panel } from "../panels/panel";
 import { useApp } from "../state/context";
 import { size } from "../ui/format";
 import { WarnIcon } from "../ui/icons";
@@ -10,15 +9,7 @@ import { RecorderCard } from "./RecorderCard";
 import { RecordingRow } from "./RecordingRow";
 import { newestFirst } from "./recordingText";
 
-export const recordingsPanel = panel({
-  type: "recorder",
-  tab: "Recordings",
-  Card: Recordings,
-  offered: ({ store }) => !store.replay.value,
-  alarm: (message) => message?.state === "stopped",
-});
-
-function Recordings() {
+export function Recordings() {
   const { store, recordings } = useApp();
   const list = store.recordings.value;
   const problem = recordings.problem.value;

@@ -7,3 +7,7 @@ export function attendedCpu(load: Load, intention: Intention | null): number {
   const governed = new Set(Object.keys(intention?.filters ?? {}).map((port) => port.split(".")[0]));
   return load.modules.reduce((sum, module) => sum + (governed.has(module.name) ? module.cpu : 0), 0);
 }
+
+export function troubled(load: Load | null): boolean {
+  return load?.modules.some(({ state }) => state === "failed" || state === "hung") ?? false;
+}

@@ -2,7 +2,6 @@
 
 import { useSignal } from "@preact/signals";
 import { plural, t } from "../i18n";
-import { panel } from "../panels/panel";
 import type { TourSummary } from "../protocol/types";
 import { useApp } from "../state/context";
 import { PlusIcon, QrIcon, WarnIcon } from "../ui/icons";
@@ -10,14 +9,7 @@ import { TypedField } from "./parts";
 import { TourEditor } from "./TourEditor";
 import { newTour, textOf } from "./tourEdits";
 
-export const tourPanel = panel({
-  type: "places",
-  tab: "Tour",
-  Card: Tours,
-  offered: ({ store }) => store.body.value.maps && !store.replay.value,
-});
-
-function Tours() {
+export function Tours() {
   const { tours } = useApp();
   return tours.draft.value ? <TourEditor /> : <TourList />;
 }

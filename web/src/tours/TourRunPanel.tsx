@@ -1,7 +1,6 @@
 /** Leads tours: begins one, shows how it goes and why, and steers it. */
 
 import { fromRobot, langOf, plural, t } from "../i18n";
-import { panel } from "../panels/panel";
 import type { TourProgress } from "../protocol/types";
 import { subtitleOf } from "../speech/subtitle";
 import { useApp } from "../state/context";
@@ -9,15 +8,12 @@ import { sentence } from "../ui/format";
 import { PersonIcon, PlayIcon, WarnIcon } from "../ui/icons";
 import { QrPicture } from "../ui/QrPicture";
 import { Choice, languageName } from "./parts";
-import { TourReports } from "./TourReports";
 import { TourSteering } from "./TourSteering";
 import { textOf } from "./tourEdits";
 import {
-  badgeOf,
   buttonWords,
   defaultWords,
   idWords,
-  isUrgent,
   pauseWords,
   peopleWords,
   standsWords,
@@ -25,23 +21,7 @@ import {
   stopWords,
 } from "./tourRunText";
 
-export const tourRunPanel = panel({
-  type: "tour",
-  tab: "Tour",
-  Card: TourRun,
-  offered: ({ store }) => store.body.value.maps && store.of("tour").value !== null,
-  badge: badgeOf,
-  alarm: isUrgent,
-});
-
-export const tourReportsPanel = panel({
-  type: "tour",
-  tab: "Tour",
-  Card: () => <TourReports />,
-  offered: ({ store, tours }) => store.of("tour").value !== null && !store.replay.value && tours.draft.value === null,
-});
-
-function TourRun() {
+export function TourRun() {
   const { tourRun, tours } = useApp();
   const progress = tourRun.progress.value;
   // While a tour is edited, and none is led, the room is the editor's.

@@ -5,7 +5,7 @@ import { WheelAsked } from "../drive/Wheel";
 import { FleetMenu } from "../fleet/FleetMenu";
 import { decimals, fromRobot, t } from "../i18n";
 import { LayoutMenu } from "../layout/LayoutMenu";
-import { ShapedLink } from "../panels/LinkShape";
+import { ShapedLink } from "../panels/ShapedLink";
 import { Marker } from "../playback/Marker";
 import { RecordButton } from "../recordings/RecordButton";
 import { useApp } from "../state/context";

@@ -4,6 +4,7 @@ export const lanes = {
   intensity: "intensité",
   Emotions: "Émotions",
   neglected: "négligé",
+  "No desire feeds it now.": "Aucun désir ne la nourrit en ce moment.",
   utility: "utilité",
   "let through": "passant",
   "Desired utility": "Utilité désirée",

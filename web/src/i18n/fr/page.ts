@@ -1,6 +1,8 @@
 /** The bar, layout, login, help, and what stands in many places, in French. */
 
 export const page = {
+  "Loading…": "Chargement…",
+  "This part of the page did not load.": "Cette partie de la page ne s’est pas chargée.",
   "{words} and {last}": "{words} et {last}",
   Robots: "Robots",
   "All robots: how they are, and who drives them": "Tous les robots : leur état, et qui les conduit",
