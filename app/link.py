@@ -165,8 +165,8 @@ class RobotLink(Protocol):
     Streams every body has: ``odometry`` (Odometry), ``joints`` (JointState), ``status`` (LinkStatus). Sensor
     streams depend on the body: ``kinect`` (Image with depth), ``panorama`` (Image, fisheye), ``camera`` (Image),
     ``hokuyo`` (LaserScan), ``microphones`` (Audio), ``loudspeaker`` (Audio: what it plays, while it plays, sampled and
-    numbered with ``microphones``), ``battery`` (BatteryState). ``ground_truth`` (GroundTruth) and ``scene_truth``
-    (SceneTruth) exist only in a simulated world whose configuration turns them on.
+    numbered with ``microphones``), ``battery`` (BatteryState), ``imu`` (Imu). ``ground_truth`` (GroundTruth) and
+    ``scene_truth`` (SceneTruth) exist only in a simulated world whose configuration turns them on.
     """
 
     @property

@@ -17,7 +17,10 @@ import installing
 #: What wheels there are (requirements/ros2.lock) are for this machine alone.
 MACHINE = "x86_64"
 TESTS = (
-    *(f"tests/robots/ros2/test_{name}.py" for name in ("link", "program", "camera_link", "joints", "your_robot")),
+    *(
+        f"tests/robots/ros2/test_{name}.py"
+        for name in ("link", "program", "camera_link", "joints", "stretch", "your_robot")
+    ),
     "tests/logs/ros/live/test_classes.py",
     "tests/modules/viewers/ros2/test_server.py",
 )

@@ -140,7 +140,7 @@ def test_json_means_the_same_in_every_command_that_reports(command: argparse.Arg
 def test_a_configuration_that_is_not_there_is_one_sentence(capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["run", "--config", "nowhere.yaml", "--port", "0"]) == 2
     error = "hbba run: --config: there is no program nowhere.yaml; a file, or one of: jackal, lab, serial_base, "
-    error += "turtlebot4, webcam; those of a package are known once it is installed\n"
+    error += "stretch, turtlebot4, webcam; those of a package are known once it is installed\n"
     assert capsys.readouterr().err == error
 
 

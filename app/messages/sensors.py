@@ -67,6 +67,26 @@ class Audio:
 
 
 @dataclass(frozen=True, slots=True)
+class Imu:
+    """Motion as an inertial sensor feels it, where it is, along the axes of ``base_link``.
+
+    ``angular_velocity`` (x, y, z) rad/s; ``specific_force`` (x, y, z) m/s2, the acceleration less gravity: (0, 0, 9.8)
+    of a robot that stands level. ``attitude``: quaternion (x, y, z, w) of ``base_link`` in a level frame whose heading
+    is arbitrary; None of a sensor that gives none. Covariances (3, 3) row by row, along the same axes, that of the
+    attitude (rad2) along those that the sensor has for it; None where it does not say them. ``frame`` names the sensor.
+    """
+
+    stamp: float
+    frame: str
+    angular_velocity: tuple[float, float, float]
+    specific_force: tuple[float, float, float]
+    attitude: tuple[float, float, float, float] | None = None
+    angular_velocity_covariance: tuple[float, ...] | None = None
+    specific_force_covariance: tuple[float, ...] | None = None
+    attitude_covariance: tuple[float, ...] | None = None
+
+
+@dataclass(frozen=True, slots=True)
 class Odometry:
     """Wheel odometry: ``X_OB``, the pose of ``base_link`` in ``odom`` (drifts), and the measured twist in B."""
 

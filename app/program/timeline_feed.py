@@ -12,7 +12,7 @@ from app.attention.activity import GROUP
 from app.attention.desire_progress import Waiting
 from app.attention.exploitation import ExploitationChange
 from app.attention.timeline import Timeline
-from app.messages import LinkStatus, PerceptEvent, PerceptKind
+from app.messages import GroupStatus, LinkStatus, PerceptEvent, PerceptKind
 from app.runtime.freshness import Freshness
 from app.runtime.load import CpuLoad
 from app.runtime.supervisor import ModuleState
@@ -27,6 +27,9 @@ STALE_LOOKS = 2
 SLOW_WORLD = 0.95
 SLOW_AFTER_S = 3.0
 WELL_AFTER_S = 10.0
+
+#: Joints whose commands were refused are well when they have followed them for so long (s).
+FOLLOWS_AFTER_S = 2.0
 
 _GUARD_WORDS = {
     "idle": "The base rests",
@@ -63,6 +66,8 @@ class TimelineFeed:
         self._guard = ""
         self._slow_world = False
         self._world_turned: float | None = None
+        #: Groups of joints that refuse commands, and since when (s) they follow them again, or None.
+        self._refused: dict[str, float | None] = {}
         self._stale: dict[str, int] = {}
         self._over = dict.fromkeys(self._budgets, 0)
 
@@ -75,14 +80,33 @@ class TimelineFeed:
             self._timeline.add("restart", state.name, f"{state.name} runs again (restart {state.restarts})", data)
 
     def guard(self, status: LinkStatus) -> None:
-        """The link reported; noted when the guard's state changes or the world begins or ceases to run slowly."""
+        """The link reported; noted when the guard's state changes, joints begin or cease to refuse commands, or the
+        world begins or ceases to run slowly."""
         if status.guard != self._guard:
             self._guard = status.guard
             words = _GUARD_WORDS.get(status.guard, status.guard)
             said = status.reason.lower().startswith(words.lower())
             text = f"{words}: {status.reason}" if status.reason and not said else words + status.reason[len(words) :]
             self._timeline.add("guard", status.guard, text, {"e_stopped": status.e_stopped})
+        for group in status.groups:
+            self._joints(group, status.stamp)
         self._world(status)
+
+    def _joints(self, group: GroupStatus, now: float) -> None:
+        name, data = group.group, {"group": group.group, "guard": group.guard}
+        if group.guard == "refused":
+            if name not in self._refused:
+                self._timeline.add("guard", name, f"The {name.replace('_', ' ')} does not follow: {group.reason}", data)
+            self._refused[name] = None
+        elif name in self._refused and group.guard != "moving":
+            self._refused[name] = None
+        elif name in self._refused:
+            since = self._refused[name]
+            if since is None:
+                self._refused[name] = now
+            elif now - since >= FOLLOWS_AFTER_S:
+                del self._refused[name]
+                self._timeline.add("guard", name, f"The {name.replace('_', ' ')} follows commands again", data)
 
     def _world(self, status: LinkStatus) -> None:
         slow = status.world_rate < SLOW_WORLD

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 from app.link import ActuatorGroup, SafeAction
 from app.messages import GroupStatus, JointCommand
@@ -56,9 +57,17 @@ class GuardedJoints:
             if guarded.state is None:
                 guarded.state = joint_guard.at_rest(guarded.group, now)
 
-    def step(self, now: float, seconds: float, e_stop: str | None, faults: Mapping[str, str]) -> None:
+    def step(
+        self,
+        now: float,
+        seconds: float,
+        e_stop: str | None,
+        faults: Mapping[str, str],
+        refusals: Mapping[str, str] = MappingProxyType({}),
+    ) -> None:
         """Decide for the ``seconds`` after ``now`` (s, robot's clock). ``e_stop``: reason of the emergency stop that is
-        latched, or None; ``faults``: why a group must not move, by its name, "" where it may."""
+        latched, or None; ``faults``: why a group must not move, by its name, "" where it may; ``refusals``: why the
+        body itself did not take its commands, likewise."""
         for name, guarded in self._groups.items():
             if guarded.state is None:
                 continue
@@ -66,9 +75,15 @@ class GuardedJoints:
             guarded.action = joint_guard.decide(now, guarded.state, guarded.group, e_stop)
             if (fault := faults.get(name, "")) and e_stop is None:
                 guarded.action = JointAction(JointMode.HOLDING, fault, SafeAction.HOLD)
+            elif (refusal := refusals.get(name, "")) and guarded.action.mode is JointMode.MOVING:
+                guarded.action = JointAction(JointMode.REFUSED, refusal, SafeAction.HOLD)
             if guarded.action.mode is JointMode.MOVING and not moved and _rests(guarded.state):
                 guarded.state = _from(guarded.state, guarded)
             guarded.state = joint_guard.step(guarded.state, guarded.action, guarded.group, guarded.measured, seconds)
+
+    def moves(self, name: str) -> bool:
+        """Whether a group follows commands now."""
+        return self._groups[name].action.mode is JointMode.MOVING
 
     def due(self, name: str) -> tuple[float, ...]:
         """The set-points (rad, m) of a group that are to be sent now, in the order of its joints; none: nothing new."""

@@ -67,8 +67,16 @@ def test_what_is_not_a_plain_file_can_be_read_too(elsewhere: Path) -> None:
 
 
 def test_the_names_are_those_of_the_files() -> None:
-    assert config_names("program") == ["jackal", "lab", "serial_base", "turtlebot4", "webcam"]
-    assert config_names("robot") == ["irl1_holonomic", "irl1_tr", "jackal", "serial_base", "turtlebot4", "webcam"]
+    assert config_names("program") == ["jackal", "lab", "serial_base", "stretch", "turtlebot4", "webcam"]
+    assert config_names("robot") == [
+        "irl1_holonomic",
+        "irl1_tr",
+        "jackal",
+        "serial_base",
+        "stretch",
+        "turtlebot4",
+        "webcam",
+    ]
     assert {"lab", "robots/jackal", "scenarios/lab", "worlds/lab"} <= set(config_names("configuration"))
     for kind in ("program", "robot", "scenario", "array", "configuration"):
         for name in config_names(kind):
@@ -86,7 +94,7 @@ def test_the_names_are_those_of_the_files() -> None:
         (
             "channels",
             "program",
-            "there is no program channels; a file, or one of: jackal, lab, serial_base, turtlebot4, webcam",
+            "there is no program channels; a file, or one of: jackal, lab, serial_base, stretch, turtlebot4, webcam",
         ),
         (
             "config/robots/webcan.yaml",

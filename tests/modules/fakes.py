@@ -15,7 +15,7 @@ from app.link import (
     RobotLink,
     StreamDescription,
 )
-from app.messages import Audio, Image, JointCommand, JointState, LaserScan, LinkStatus, Odometry, Twist
+from app.messages import Audio, Image, Imu, JointCommand, JointState, LaserScan, LinkStatus, Odometry, Twist
 from app.modules.behaviors.face.expression import JOINTS as FACE_JOINTS
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import VirtualClock
@@ -31,6 +31,7 @@ STREAMS = {
     for name, message_type, rate_hz in (
         ("kinect", Image, 15.0),
         ("hokuyo", LaserScan, 40.0),
+        ("imu", Imu, 50.0),
         ("odometry", Odometry, 100.0),
         ("joints", JointState, 30.0),
         ("status", LinkStatus, 20.0),

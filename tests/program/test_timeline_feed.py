@@ -11,8 +11,15 @@ from hypothesis import strategies as st
 
 from app.attention.exploitation import ExploitationChange
 from app.attention.timeline import Timeline
-from app.messages import LinkStatus, PerceptEvent, PerceptKind, Twist
-from app.program.timeline_feed import OVERLOAD_WINDOWS, SLOW_AFTER_S, STALE_LOOKS, WELL_AFTER_S, TimelineFeed
+from app.messages import GroupStatus, LinkStatus, PerceptEvent, PerceptKind, Twist
+from app.program.timeline_feed import (
+    FOLLOWS_AFTER_S,
+    OVERLOAD_WINDOWS,
+    SLOW_AFTER_S,
+    STALE_LOOKS,
+    WELL_AFTER_S,
+    TimelineFeed,
+)
 from app.runtime.freshness import Freshness, FreshnessState
 from app.runtime.load import CpuLoad
 from app.runtime.supervisor import ModuleState
@@ -50,6 +57,29 @@ def test_what_the_guard_says_is_not_said_twice(feed: TimelineFeed, timeline: Tim
     feed.guard(replace(STATUS, guard="e_stopped", reason="emergency stop: pressed by Ann", e_stopped=True))
     feed.guard(replace(STATUS, reason=""))
     assert [event.text for event in timeline.query()] == ["Emergency stop: pressed by Ann", "The base rests"]
+
+
+def test_joints_that_refuse_are_noted_once_and_again_when_they_follow(feed: TimelineFeed, timeline: Timeline) -> None:
+    stamp = 0.0
+
+    def seconds(count: float, guard: str, reason: str = "") -> None:
+        nonlocal stamp
+        for _ in range(int(20 * count)):
+            stamp += 0.05
+            feed.guard(replace(STATUS, stamp=stamp, groups=(GroupStatus("left_arm", guard, reason, 0.0),)))
+
+    seconds(1, "moving")
+    for reason in ("the action rejected the goal", "again"):
+        seconds(1, "refused", reason)
+        seconds(1, "moving")  # it is tried again
+        seconds(5, "holding", "no fresh command")
+    seconds(FOLLOWS_AFTER_S + 0.2, "moving")
+    seconds(0.1, "refused", "the action aborted the goal")
+    assert [event.text for event in timeline.query()[1:]] == [
+        "The left arm does not follow: the action rejected the goal",
+        "The left arm follows commands again",
+        "The left arm does not follow: the action aborted the goal",
+    ]
 
 
 def test_a_slow_world_is_noted_when_it_lasts_and_when_it_is_over(feed: TimelineFeed, timeline: Timeline) -> None:

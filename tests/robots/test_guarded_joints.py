@@ -29,6 +29,7 @@ class Played:
         self.sent: list[tuple[float, ...]] = []
         self.e_stop: str | None = None
         self.fault = ""
+        self.refusal = ""
 
     def measure(self) -> None:
         self.joints.measure({"pan": self.positions[0], "tilt": self.positions[1], "left_wheel": 3.0})
@@ -41,7 +42,7 @@ class Played:
         for _ in range(steps):
             if commanded is not None:
                 self.command(commanded)
-            self.joints.step(self.now, STEP_S, self.e_stop, {"head": self.fault})
+            self.joints.step(self.now, STEP_S, self.e_stop, {"head": self.fault}, {"head": self.refusal})
             if due := self.joints.due("head"):
                 self.sent.append(due)
                 self.positions = (due[0], due[1])
@@ -128,3 +129,20 @@ def test_whatever_is_commanded_the_limits_hold(goals: list[float | None], pan: f
     path = [(pan, 0.0), *head.sent]
     assert all(PAN.lower <= at[0] <= PAN.upper for at in path)
     assert all(abs(b[0] - a[0]) <= PAN.velocity * STEP_S + 1e-9 for a, b in pairwise(path))
+
+
+def test_what_the_body_refused_is_held_and_goes_on_from_where_it_is() -> None:
+    head = Played(0.0)
+    head.measure()
+    head.step(20, commanded=1.0)
+    assert head.joints.moves("head")
+    head.refusal = "the action rejected the goal"
+    head.step(50, commanded=1.0)
+    (status,) = head.joints.status(head.now)
+    assert (status.guard, status.reason) == ("refused", "the action rejected the goal")
+    assert not head.joints.moves("head")
+    # Others moved it meanwhile: set-points begin there.
+    head.positions, head.refusal = (-0.5, 0.0), ""
+    head.measure()
+    head.step(1, commanded=1.0)
+    assert head.sent[-1][0] == pytest.approx(-0.5, abs=0.01)

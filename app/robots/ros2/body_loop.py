@@ -115,12 +115,18 @@ class BodyLoop:
             return
         now = monotonic + self._offset
         silent = fault(self._node.joints, now, self._limits.sensor_timeout_s)
-        faults = {name: silent or reason for name, reason in self._node.joint_commands.faults.items()}
-        self._joints.step(now, seconds, self._base.e_stop, faults)
+        topics, actions = self._node.joint_commands, self._node.joint_actions
+        faults = {name: silent or reason for name, reason in (topics.faults | actions.faults).items()}
+        self._joints.step(now, seconds, self._base.e_stop, faults, actions.refusals)
         for name, due in self._joints_due.items():
-            if monotonic >= due and (positions := self._joints.due(name)):
-                self._node.joint_commands.publish(name, positions)
-                self._joints_due[name] = monotonic + 1.0 / self._config.joint_commands[name].rate_hz
+            if name in actions:
+                if not self._joints.moves(name):
+                    actions.halt(name)
+                elif actions.ready(name) and (positions := self._joints.due(name)):
+                    actions.publish(name, positions)
+            elif monotonic >= due and (positions := self._joints.due(name)):
+                topics.publish(name, positions)
+                self._joints_due[name] = monotonic + 1.0 / self._config.joint_commands[name].hz
 
     def _ended(self) -> bool:
         """Read what the program sent; whether it is over. Raises Unavailable and errors of rclpy's thread."""

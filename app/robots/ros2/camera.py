@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from app.base.geometry import Pose3
 from app.base.joint_buffer import JointBuffer
 from app.base.kinematic_model import KinematicModel
 from app.logs.importers import ros_messages
@@ -19,18 +20,22 @@ from app.robots.ros2.config import CameraTopicConfig, DepthCameraTopicConfig
 
 #: How far (s) a depth may be from its picture, as a share of the time between two pictures.
 _APART = 0.5
+#: Pose, in a camera's frame, of that of its pictures turned clockwise by a quarter: x along -y, y along x.
+_QUARTER = Pose3(np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]), np.zeros(3))
 
 
 @dataclass(frozen=True, slots=True)
 class CameraSetting:
     """``frame``: the link of the optical frame; ``rate_hz`` of its pictures; ``rectified``: they have no distortion;
-    ``has_depth``: an image needs one; ``fov`` (rad, horizontal) of a camera without CameraInfo, else None."""
+    ``has_depth``: an image needs one; ``fov`` (rad, horizontal) of a camera without CameraInfo, else None;
+    ``quarters``: turns by 90 degrees, clockwise, until pictures stand upright."""
 
     frame: str
     rate_hz: float
     rectified: bool = False
     has_depth: bool = False
     fov: float | None = None
+    quarters: int = 0
 
 
 def setting(camera: CameraTopicConfig) -> CameraSetting:
@@ -42,6 +47,7 @@ def setting(camera: CameraTopicConfig) -> CameraSetting:
         rectified=camera.is_rectified,
         has_depth=isinstance(camera, DepthCameraTopicConfig),
         fov=None if fov is None else math.radians(fov),
+        quarters=camera.turned_deg // 90,
     )
 
 
@@ -103,10 +109,13 @@ class CameraReader:
                     f"a depth of {width} x {height} px is not registered to a picture of {camera.model.width} x "
                     f"{camera.model.height} px"
                 )
-            depth = read_only(camera.depth(depth))
+            depth = camera.depth(depth)
         X_BC = self._model.pose(self._setting.frame, positions)
-        color = read_only(camera.color(picture))
-        return Image(at, self._setting.frame, color, depth, camera=camera.model, X_BC=X_BC)
+        image = Image(at, self._setting.frame, camera.color(picture), depth, camera=camera.model, X_BC=X_BC)
+        for _ in range(self._setting.quarters):
+            image = turned(image)
+        depth = None if image.depth is None else read_only(np.ascontiguousarray(image.depth))
+        return replace(image, color=read_only(np.ascontiguousarray(image.color)), depth=depth)
 
     def _camera(self, width: int, height: int) -> PinholeCamera:
         known = self._cameras.get((width, height))
@@ -130,6 +139,16 @@ class CameraReader:
         if calibration is None:
             raise Unreadable("its CameraInfo says that it is not calibrated; horizontal_fov_deg does without one")
         return calibration
+
+
+def turned(image: Image) -> Image:
+    """``image`` turned clockwise by a quarter, its camera and its frame with it: each pixel is the same ray."""
+    was = image.camera
+    camera = replace(
+        was, width=was.height, height=was.width, fx=was.fy, fy=was.fx, cx=was.height - 1 - was.cy, cy=was.cx
+    )
+    depth = None if image.depth is None else np.rot90(image.depth, -1)
+    return replace(image, color=np.rot90(image.color, -1), depth=depth, camera=camera, X_BC=image.X_BC @ _QUARTER)
 
 
 def _values(info: Any) -> tuple[Any, ...]:

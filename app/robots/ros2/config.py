@@ -13,6 +13,7 @@ from app.base.kinematic_model import KinematicModel, load_model
 from app.base.yaml_source import Document, load_yaml, suggestion
 from app.link import SafeAction
 from app.logs.importers.ros_topics import rectified
+from app.logs.ros.live.joint_trajectory_action import FOLLOW
 from app.robots.actuator_config import ActuatorConfig
 from app.robots.config import BodyConfig, load_body_config
 from app.robots.config_model import ConfigModel, Positive
@@ -24,6 +25,7 @@ TYPES = {
     "joints": "sensor_msgs/msg/JointState",
     "hokuyo": "sensor_msgs/msg/LaserScan",
     "battery": "sensor_msgs/msg/BatteryState",
+    "imu": "sensor_msgs/msg/Imu",
 }
 IMAGE, COMPRESSED_IMAGE = "sensor_msgs/msg/Image", "sensor_msgs/msg/CompressedImage"
 TRAJECTORY: Final = "trajectory_msgs/msg/JointTrajectory"
@@ -105,10 +107,18 @@ class BatteryTopicConfig(TopicConfig):
     rate_hz: Positive = 1.0
 
 
+class ImuTopicConfig(TopicConfig):
+    """Stream ``imu``: an inertial sensor at ``link`` of the model, fixed to the base, along whose axes it measures."""
+
+    link: str
+    rate_hz: Positive = 50.0
+
+
 class CameraTopicConfig(TopicConfig):
     """Stream ``camera``: pictures, raw or compressed, of a camera at ``link`` of the model.
 
-    ``link`` is the camera's optical frame: z ahead, x to the right (REP 103). Joints may move it.
+    ``link`` is the camera's optical frame: z ahead, x to the right in its pictures (REP 103). Joints may move it.
+    Of a camera that lies on its side, pictures and frame are turned by ``turned_deg``.
     """
 
     rate_hz: Positive = 15.0
@@ -116,6 +126,9 @@ class CameraTopicConfig(TopicConfig):
     info: Topic | None = Field(default=None, description="its CameraInfo; null: camera_info beside the pictures")
     horizontal_fov_deg: Annotated[float, Field(gt=0, lt=170)] | None = Field(
         default=None, description="of a camera without distortion that has no CameraInfo: none is read then"
+    )
+    turned_deg: Literal[0, 90, 180, 270] = Field(
+        default=0, description="by how much pictures are turned clockwise until they stand upright"
     )
     rectified: bool | None = Field(
         default=None, description="whether the pictures have no distortion any more; null: as their topic's name says"
@@ -148,6 +161,7 @@ class TopicsConfig(ConfigModel):
     joints: TopicConfig | None = None
     hokuyo: LaserTopicConfig | None = None
     battery: BatteryTopicConfig | None = None
+    imu: ImuTopicConfig | None = None
     camera: CameraTopicConfig | None = None
     kinect: DepthCameraTopicConfig | None = None
 
@@ -167,16 +181,33 @@ class BaseTopicConfig(ConfigModel):
 
 
 class JointTopicConfig(ConfigModel):
-    """The topic that a controller of ros2_control takes set-points of a group of joints on.
+    """Where a group of joints takes set-points: a ``topic`` of a controller of ros2_control, or an ``action``.
 
     A ``JointTrajectory`` is the topic ``joint_trajectory`` of a joint_trajectory_controller: one point, to be reached
     two periods later. A ``Float64MultiArray`` is the topic ``commands`` of a forward_command_controller of positions:
-    one number for each joint, in the group's order.
+    one number for each joint, in the group's order. An action is a ``control_msgs/action/FollowJointTrajectory``, whose
+    goals are such trajectories of one point: each replaces the one before.
     """
 
-    topic: Topic
+    topic: Topic | None = None
+    action: Topic | None = None
     type: Literal["trajectory_msgs/msg/JointTrajectory", "std_msgs/msg/Float64MultiArray"] = TRAJECTORY
-    rate_hz: Annotated[float, Field(ge=5, le=100)] = Field(default=20.0, description="of set-points while they move")
+    rate_hz: Annotated[float, Field(ge=1, le=100)] | None = Field(
+        default=None, description="of set-points while they move; null: 20 of a topic, 4 of an action"
+    )
+
+    @model_validator(mode="after")
+    def _is_one_of_both(self) -> Self:
+        if (self.topic is None) == (self.action is None):
+            raise ValueError("set-points go to a topic or to an action: name one of them")
+        if self.action is not None and "type" in self.model_fields_set:
+            raise ValueError(f"type is a topic's; the action {self.action} is a {FOLLOW}")
+        return self
+
+    @property
+    def hz(self) -> float:
+        """How often set-points are sent while they move."""
+        return self.rate_hz or (20.0 if self.action is None else 4.0)
 
 
 class Ros2Config(BodyConfig):
@@ -189,7 +220,9 @@ class Ros2Config(BodyConfig):
     graph: GraphConfig = GraphConfig()
     streams: TopicsConfig = TopicsConfig()
     base: BaseTopicConfig
-    joint_commands: dict[str, JointTopicConfig] = Field(default={}, description="topics by group of actuators")
+    joint_commands: dict[str, JointTopicConfig] = Field(
+        default={}, description="topics and actions by group of actuators"
+    )
 
     _document: Document | None = PrivateAttr(default=None)
 
@@ -210,7 +243,7 @@ class Ros2Config(BodyConfig):
                 raise ValueError(f"joint_commands: there is no group {name!r}; {suggestion(name, [*self.actuators])}")
         for name in self.actuators:
             if name not in self.joint_commands:
-                raise ValueError(f"actuators: {name} has no topic in joint_commands")
+                raise ValueError(f"actuators: {name} has no topic or action in joint_commands")
         if self.actuators and self.streams.joints is None:
             raise ValueError("actuators: their joints are to be measured: map streams.joints")
         return self
@@ -242,6 +275,12 @@ class Ros2Config(BodyConfig):
     def cameras(self) -> dict[str, CameraTopicConfig]:
         """The streams of pictures, by name."""
         return {name: topic for name, topic in self.mapped.items() if isinstance(topic, CameraTopicConfig)}
+
+    @property
+    def fixed_sensors(self) -> dict[str, LaserTopicConfig | ImuTopicConfig]:
+        """The streams of sensors whose link is fixed to the base, by name."""
+        sensors = {"hokuyo": self.streams.hokuyo, "imu": self.streams.imu}
+        return {name: sensor for name, sensor in sensors.items() if sensor is not None}
 
     @property
     def readings(self) -> dict[str, tuple[str, str]]:
@@ -282,18 +321,19 @@ class Ros2Config(BodyConfig):
 
 def load_ros2_config(path: Path | str) -> Ros2Config:
     """Read the mapping. Raises ConfigError (file, line, key), also for files that are missing, for a sensor whose link
-    the model does not have, for a laser that a joint moves, and for a camera that one moves whose joints are not
-    mapped."""
+    the model does not have, for a laser or an inertial sensor that a joint moves, and for a camera that one moves whose
+    joints are not mapped."""
     config = load_body_config(path, Ros2Config)
     document = load_yaml(path)
     config._document = Document(None, document.file, document.lines)
     model = load_model(config.model)
-    laser = config.streams.hokuyo
-    if laser is not None and (joints := _moving(config, model, "hokuyo", laser.link)):
-        raise config.mistake(
-            f"the joint {joints[0]!r} of the model moves {laser.link!r}; the laser must be fixed to the base",
-            *("streams", "hokuyo", "link"),
-        )
+    for name, sensor in config.fixed_sensors.items():
+        if joints := _moving(config, model, name, sensor.link):
+            what = "laser" if name == "hokuyo" else "inertial sensor"
+            raise config.mistake(
+                f"the joint {joints[0]!r} of the model moves {sensor.link!r}; the {what} must be fixed to the base",
+                *("streams", name, "link"),
+            )
     for name, camera in config.cameras.items():
         joints = _moving(config, model, name, camera.link)
         if joints and config.streams.joints is None:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 
@@ -22,29 +23,39 @@ _PERIODS_AHEAD = 2
 _NEWEST = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.RELIABLE)
 
 
+def trajectory(names: tuple[str, ...], positions: NDArray[np.float64], rate_hz: float) -> Any:
+    """A trajectory_msgs/JointTrajectory of one point, that joints ``names`` are at ``positions`` (rad, m) two periods
+    of ``rate_hz`` later."""
+    none = np.zeros(0)
+    within = typestore.make("builtin_interfaces/msg/Duration", *divmod(to_ns(_PERIODS_AHEAD / rate_hz), 10**9))
+    point = typestore.make("trajectory_msgs/msg/JointTrajectoryPoint", positions, none, none, none, within)
+    # A stamp of zero: it begins as it arrives, whatever the two clocks say.
+    return typestore.make(
+        TRAJECTORY, typestore.make("std_msgs/msg/Header", typestore.time(0), ""), list(names), [point]
+    )
+
+
 def encoded(topic: JointTopicConfig, names: tuple[str, ...], positions: tuple[float, ...]) -> bytes:
     """The CDR of the message of ``topic`` that sends joints ``names`` to ``positions`` (rad, m)."""
     numbers = np.array(positions, np.float64)
     if topic.type != TRAJECTORY:
         layout = typestore.make("std_msgs/msg/MultiArrayLayout", [], 0)
         return typestore.serialise(topic.type, layout, numbers)
-    none = np.zeros(0)
-    within = typestore.make("builtin_interfaces/msg/Duration", *divmod(to_ns(_PERIODS_AHEAD / topic.rate_hz), 10**9))
-    point = typestore.make("trajectory_msgs/msg/JointTrajectoryPoint", numbers, none, none, none, within)
-    # A stamp of zero: it begins as it arrives, whatever the two clocks say.
-    header = typestore.make("std_msgs/msg/Header", typestore.time(0), "")
-    return typestore.serialise(topic.type, header, list(names), [point])
+    made = trajectory(names, numbers, topic.hz)
+    return typestore.serialise(topic.type, made.header, made.joint_names, made.points)
 
 
 class JointCommands:
-    """The publishers of ``config``'s groups in ``node``. ``look`` is called in rclpy's thread, all else in the
-    guard's. Raises Unsupported where the middleware is another than Fast DDS."""
+    """The publishers of ``config``'s groups in ``node`` that have a topic. ``look`` is called in rclpy's thread, all
+    else in the guard's. Raises Unsupported where the middleware is another than Fast DDS."""
 
     def __init__(self, node: Node, config: Ros2Config) -> None:
         self._node = node
-        self._topics: Mapping[str, JointTopicConfig] = config.joint_commands
+        self._topics: Mapping[str, JointTopicConfig] = {
+            name: topic for name, topic in config.joint_commands.items() if topic.action is None
+        }
         self._joints = {name: tuple(joint.name for joint in group.joints) for name, group in config.groups.items()}
-        self._seen = {name: Seen(name, config.full_name(topic.topic)) for name, topic in self._topics.items()}
+        self._seen = {name: Seen(name, config.full_name(topic.topic or "")) for name, topic in self._topics.items()}
         self._writers: dict[str, Any] = {
             name: node.create_publisher(message_class(topic.type), self._seen[name].topic, _NEWEST)
             for name, topic in self._topics.items()

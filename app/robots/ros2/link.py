@@ -7,7 +7,7 @@ from typing import Any
 
 from app.link import RobotDescription, StreamDescription
 from app.logs.ros.live.graph import environment
-from app.messages import BatteryState, Image, JointState, LaserScan, LinkStatus, Odometry
+from app.messages import BatteryState, Image, Imu, JointState, LaserScan, LinkStatus, Odometry
 from app.robots.process_link import ProcessLink
 from app.robots.ros2.config import STATUS_HZ, Ros2Config
 from app.robots.ros2.protocol import Start
@@ -19,6 +19,7 @@ _TYPES: dict[str, type[Any]] = {
     "joints": JointState,
     "hokuyo": LaserScan,
     "battery": BatteryState,
+    "imu": Imu,
     "camera": Image,
     "kinect": Image,
 }

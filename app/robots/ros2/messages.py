@@ -7,13 +7,16 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from app.base.geometry import Pose3
 from app.logs.importers import ros_messages
 from app.logs.importers.ros_messages import Unreadable
 from app.logs.importers.ros_stream import followed
 from app.logs.importers.transforms import StampedTransform
 from app.logs.stamps import SECOND, from_ns, to_ns
-from app.messages import BatteryState, Odometry
+from app.messages import BatteryState, Imu, Odometry
 from app.robots.ros2.camera import CameraReader
 from app.robots.ros2.config import DEPTH, INFO
 
@@ -92,13 +95,65 @@ def battery(message: Any, at: float) -> BatteryState:
     return BatteryState(at, charge, voltage_v=voltage, current_a=current, charging=charging, remaining_s=None)
 
 
+def imu(message: Any, at: float, frame: str, X_BI: Pose3) -> Imu:
+    """sensor_msgs/Imu of a sensor at ``X_BI``. Raises Unreadable for values that are not finite, and where it does not
+    measure how it turns and what it feels."""
+    R = X_BI.rotation
+    turning, force = _vector(message.angular_velocity), _vector(message.linear_acceleration)
+    spread_of_turning, turns = _covariance(message.angular_velocity_covariance)
+    spread_of_force, feels = _covariance(message.linear_acceleration_covariance)
+    spread_of_attitude, turned = _covariance(message.orientation_covariance)
+    if not (turns and feels):
+        raise Unreadable("its covariances say that it does not measure angular velocity, or acceleration")
+    q = message.orientation
+    given = np.array([q.x, q.y, q.z, q.w], np.float64)
+    if not np.isfinite(np.concatenate([turning, force, given])).all():
+        raise Unreadable("it has a value that is not finite")
+    # All zeros is what a sender leaves that knows nothing of it; so is the identity without a covariance.
+    known = turned and given.any() and (spread_of_attitude is not None or not np.array_equal(given, (0, 0, 0, 1)))
+    attitude = None
+    if known:
+        w, x, y, z = (StampedTransform(at, (0.0, 0.0, 0.0), tuple(given)).pose() @ X_BI.inverse()).quaternion_wxyz()
+        attitude = (x, y, z, w)
+    return Imu(
+        stamp=at,
+        frame=frame,
+        angular_velocity=_triple(R @ turning),
+        specific_force=_triple(R @ force),
+        attitude=attitude,
+        angular_velocity_covariance=None if spread_of_turning is None else _flat(R @ spread_of_turning @ R.T),
+        specific_force_covariance=None if spread_of_force is None else _flat(R @ spread_of_force @ R.T),
+        attitude_covariance=_flat(spread_of_attitude) if known and spread_of_attitude is not None else None,
+    )
+
+
+def _vector(v: Any) -> NDArray[np.float64]:
+    return np.array([v.x, v.y, v.z], np.float64)
+
+
+def _triple(v: NDArray[np.float64]) -> tuple[float, float, float]:
+    return float(v[0]), float(v[1]), float(v[2])
+
+
+def _flat(matrix: NDArray[np.float64]) -> tuple[float, ...]:
+    return tuple(map(float, matrix.ravel()))
+
+
+def _covariance(nine: Any) -> tuple[NDArray[np.float64] | None, bool]:
+    """A covariance (3, 3), None where it is all zeros: unknown; and whether what it is of is measured: -1 says no."""
+    matrix = np.array(nine, np.float64).reshape(3, 3)
+    measured = bool(matrix[0, 0] != -1.0)
+    return (matrix if measured and matrix.any() and np.isfinite(matrix).all() else None), measured
+
+
 def converters(
-    X_BL: Pose3 | None,
+    places: Mapping[str, tuple[str, Pose3]] | None = None,
     cameras: Mapping[str, CameraReader] | None = None,
     transforms: TransformOdometry | None = None,
 ) -> dict[str, Converter]:
-    """How the message of each reading is read; ``X_BL``: pose of the laser in ``base_link``; ``cameras`` by stream;
-    ``transforms``: where odometry is of these.
+    """How the message of each reading is read; ``places``: link and pose in ``base_link`` of the laser
+    (``hokuyo``) and the inertial sensor (``imu``), by stream; ``cameras`` by stream; ``transforms``: where
+    odometry is of these.
 
     The second argument of each is the message's time (s), whatever its header says. Those of cameras give None while an
     image is not complete.
@@ -108,8 +163,10 @@ def converters(
         "joints": ros_messages.joint_state,
         "battery": battery,
     }
-    if X_BL is not None:
-        plain["hokuyo"] = lambda message, at: ros_messages.laser_scan(message, at, X_BL)
+    if laser := (places or {}).get("hokuyo"):
+        plain["hokuyo"] = lambda message, at: ros_messages.laser_scan(message, at, laser[1])
+    if sensor := (places or {}).get("imu"):
+        plain["imu"] = lambda message, at: imu(message, at, *sensor)
 
     def placed(convert: Converter) -> Converter:
         return lambda message, at: replace(convert(message, at), stamp=at)

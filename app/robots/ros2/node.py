@@ -23,7 +23,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, HistoryPolicy, QoSProfile, ReliabilityPolicy
 from rclpy.signals import SignalHandlerOptions
 from rosgraph_msgs.msg import Clock
-from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Image, JointState, LaserScan
+from sensor_msgs.msg import BatteryState, CameraInfo, CompressedImage, Image, Imu, JointState, LaserScan
 
 from app.base.errors import ConfigError
 from app.base.joint_buffer import JointBuffer
@@ -40,6 +40,7 @@ from app.robots.ros2.camera import CameraReader, setting
 from app.robots.ros2.config import INFO, TRANSFORMS, TWIST_STAMPED, Ros2Config
 from app.robots.ros2.frame_tree import differences
 from app.robots.ros2.health import Seen, began_again
+from app.robots.ros2.joint_actions import JointActions
 from app.robots.ros2.joint_commands import JointCommands
 from app.robots.ros2.messages import TransformOdometry, converters, seconds, set_stamp, stamp_of
 from app.robots.ros2.stamps import StampClock, WrongClock
@@ -48,7 +49,7 @@ CLASSES: dict[str, Any] = {
     f"{package}/msg/{each.__name__}": each
     for package, classes in (
         ("nav_msgs", (RosOdometry,)),
-        ("sensor_msgs", (BatteryState, CameraInfo, CompressedImage, Image, JointState, LaserScan)),
+        ("sensor_msgs", (BatteryState, CameraInfo, CompressedImage, Image, Imu, JointState, LaserScan)),
     )
     for each in classes
 }
@@ -56,6 +57,8 @@ CLOCK = "clock"
 LOOK_S = 0.5
 """How often the graph is asked who publishes and who listens."""
 _SPIN_S = 0.05
+#: So often, at the end, for an answer to a goal that is to be cancelled.
+_LAST_SPINS = 3
 _SILENT_S = 5.0
 """How long a topic that is wanted may be without a publisher before that is said."""
 _ACKNOWLEDGED_S = 0.2
@@ -91,12 +94,12 @@ class RosNode:
         self.cautions: deque[str] = deque(maxlen=64)
         self.void = ""
         self.failure: BaseException | None = None
-        laser = config.streams.hokuyo
+        places = {name: (sensor.link, model.pose(sensor.link)) for name, sensor in config.fixed_sensors.items()}
         self._joints = JointBuffer()
         cameras = {name: CameraReader(setting(camera), model, self._joints) for name, camera in config.cameras.items()}
         moved = config.streams.odometry
         self._transforms = TransformOdometry(moved.frame, moved.child) if moved.is_transform else None
-        self._convert = converters(None if laser is None else model.pose(laser.link), cameras, self._transforms)
+        self._convert = converters(places, cameras, self._transforms)
         self._model, self._frames = model, Transforms()
         self._clock = StampClock(config.graph.clock, config.graph.clock_tolerance_s)
         self._required = config.limits.required_sensors
@@ -126,6 +129,7 @@ class RosNode:
         self._executor.add_node(self._node)
         self._writer: Any = self._create_writer()
         self.joint_commands = JointCommands(self._node, config)
+        self.joint_actions = JointActions(self._node, config, self._executor.create_task)
         self._follow_static_transforms()
         self._thread = threading.Thread(target=self._run, name="rclpy", daemon=True)
 
@@ -204,6 +208,10 @@ class RosNode:
                     self._looked = time.monotonic()
                 self._follow_demand()
                 self._executor.spin_once(timeout_sec=_SPIN_S)
+            for _ in range(_LAST_SPINS):
+                if not self.joint_actions.end():
+                    break
+                self._executor.spin_once(timeout_sec=_SPIN_S)
         except Exception as failure:  # noqa: BLE001  # the guard's thread raises it
             self.failure = failure
             self._wake()
@@ -239,7 +247,7 @@ class RosNode:
                 self._subscribe(name, reading, asked)
             if not infos and reading.entity is not None and time.monotonic() - self._began > _SILENT_S:
                 self._caution(f"{name}: {reading.topic} has no publisher")
-        for sentence in self.joint_commands.look():
+        for sentence in (*self.joint_commands.look(), *self.joint_actions.look()):
             self._caution(sentence)
         self._look_at_commands()
 
@@ -279,8 +287,8 @@ class RosNode:
 
     def _take_static(self, message: Any) -> None:
         add_transforms(self._frames, message.read(), 0.0, static=True)
-        laser = self._config.streams.hokuyo
-        links = [camera.link for camera in self._config.cameras.values()] + ([laser.link] if laser is not None else [])
+        sensors = (*self._config.cameras.values(), *self._config.fixed_sensors.values())
+        links = [sensor.link for sensor in sensors]
         for sentence in differences(self._frames, self._model, links):
             self._caution(sentence, sentence.partition(":")[0])
 

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from app.logs.importers.ros_topics import Ambiguous, BagTopic, FromCamera, guessed, registered
+from app.logs.ros.live.joint_trajectory_action import FOLLOW
 from app.robots.ros2.config import CAMERA_INFO, COMPRESSED_IMAGE, IMAGE, JOINT_TYPES, TWIST, TWIST_STAMPED, TYPES
 
 #: Names that robots commonly use, the likeliest first, by stream; the namespace before them does not matter.
@@ -15,11 +16,15 @@ _USUAL = {
     "joints": ("joint_states",),
     "hokuyo": ("scan", "scan_filtered", "base_scan", "front/scan"),
     "battery": ("battery_state", "battery"),
+    "imu": ("imu", "imu/data", "imu/data_raw", "imu_mobile_base"),
 }
 _COMMANDS = ("cmd_vel", "cmd_vel_unstamped", "diff_drive_controller/cmd_vel", "stretch/cmd_vel")
-_NOT_MAPPED = ("sensor_msgs/msg/PointCloud2", "sensor_msgs/msg/Imu", "tf2_msgs/msg/TFMessage")
+_NOT_MAPPED = ("sensor_msgs/msg/PointCloud2", "tf2_msgs/msg/TFMessage")
+#: What a server of the action publishes.
+_FEEDBACK = f"{FOLLOW}_FeedbackMessage"
+_HOLDS = {"hokuyo": "scans", "imu": "messages"}
 _OF_CAMERAS = (IMAGE, COMPRESSED_IMAGE, CAMERA_INFO)
-_NAMES = {"odometry": "odometry", "joints": "joints", "hokuyo": "laser", "battery": "battery"}
+_NAMES = {"odometry": "odometry", "joints": "joints", "hokuyo": "laser", "battery": "battery", "imu": "inertial sensor"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,10 +84,15 @@ def propose(topics: Iterable[Topic], links: Mapping[str, bool] | None = None) ->
     lines += _camera(known, links, writing)
     lines += _base(known, writing)
     if left := sorted(topic.name for topic in known if topic.publishers and topic.type in _NOT_MAPPED):
-        writing.remarks.append(f"Topics of clouds, IMUs and frames are not mapped yet: {', '.join(left)}.")
+        writing.remarks.append(f"Topics of clouds and frames are not mapped yet: {', '.join(left)}.")
     if joints := sorted(topic.name for topic in known if topic.subscribers and topic.type in JOINT_TYPES):
         writing.remarks.append(
             f"joints: set-points are taken on {', '.join(joints)}: name the groups in actuators and joint_commands."
+        )
+    if actions := sorted(topic.name for topic in known if topic.publishers and topic.type == _FEEDBACK):
+        names = ", ".join(name.removesuffix("/_action/feedback") for name in actions)
+        writing.remarks.append(
+            f"joints: trajectories are taken by the action {names}: name the groups in actuators and joint_commands."
         )
     drivable = chosen["odometry"] is not None and bool(_takers(known))
     return Proposal("\n".join(lines) + "\n", tuple(writing.missing), tuple(writing.remarks), drivable)
@@ -90,6 +100,8 @@ def propose(topics: Iterable[Topic], links: Mapping[str, bool] | None = None) ->
 
 def _chosen(topics: list[Topic], stream: str, writing: _Writing) -> Topic | None:
     fitting = [topic for topic in topics if topic.type == TYPES[stream] and topic.publishers]
+    if not fitting and stream == "imu":
+        return None  # most robots do well without
     if not fitting:
         grave = " The base must not drive without it." if stream == "odometry" else ""
         writing.missing.append(f"{_NAMES[stream]}: no topic of the type {TYPES[stream]} has a publisher.{grave}")
@@ -113,17 +125,17 @@ def _rate(topic: Topic) -> str:
 
 
 def _stream(stream: str, topic: Topic, links: Mapping[str, bool] | None, writing: _Writing) -> str:
-    if stream != "hokuyo":
+    if stream not in ("hokuyo", "imu"):
         return f"  {stream}: {{topic: {topic.name}, rate_hz: {_rate(topic)}}}"
+    name = _NAMES[stream]
     if not topic.frame:
-        writing.missing.append("laser: its frame is not known; link must name the link of the model where it is.")
+        writing.missing.append(f"{name}: its frame is not known; link must name the link of the model where it is.")
     elif links is not None and topic.frame not in links:
-        writing.missing.append(
-            f"laser: the model has no link {topic.frame!r}, which its scans name; it has {', '.join(links)}."
-        )
+        there, who = ", ".join(links), _HOLDS[stream]
+        writing.missing.append(f"{name}: the model has no link {topic.frame!r}, which its {who} name; it has {there}.")
     elif links is not None and not links[topic.frame]:
-        writing.missing.append(f"laser: a joint of the model moves {topic.frame!r}; it must be fixed to the base.")
-    link = topic.frame or "laser_link"
+        writing.missing.append(f"{name}: a joint of the model moves {topic.frame!r}; it must be fixed to the base.")
+    link = topic.frame or f"{'laser' if stream == 'hokuyo' else 'imu'}_link"
     return f"  {stream}: {{topic: {topic.name}, rate_hz: {_rate(topic)}, link: {link}}}"
 
 

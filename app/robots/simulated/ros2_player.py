@@ -3,14 +3,18 @@ simulated lab.
 
 ``python -m app.robots.simulated.ros2_player --robot ROBOT.yaml --map MAP.yaml [options]``, where ROBOT is a mapping of
 kind ``ros2``, whose model and sizes the body has; or ``--body BODY.yaml`` in place of the map, a simulated body with
-its world. Topics: ``/scan`` and ``/odom`` (best effort, as a TurtleBot's), ``/joint_states``, ``/battery_state``, those
-of the mapping's cameras where the body has them, and ``/clock`` with ``--sim-time``; it takes ``/cmd_vel``, and the
-topics of the mapping's ``joint_commands``. Without a
-command for ``--watchdog`` seconds (a body: as its file says) it stops by itself.
+its world. Topics are those of the mapping: scans and odometry (best effort, as a TurtleBot's), joints, battery,
+inertial sensor, cameras where the body has them, and ``/clock`` with ``--sim-time``; it takes velocities, and
+set-points of joints on the topics and by the actions of ``joint_commands``. Without a command for ``--watchdog``
+seconds (a body: as its file says) it stops by itself.
 
 It prints ``ready`` once it moves. Lines on its standard input are faults: ``odometry off``, ``odometry on``,
 ``clock SECONDS`` (its clock is ahead by so much from then on), ``clock stop`` (of ``/clock``), ``origin`` (odometry
-begins again at zero). With ``--log FILE`` each step is a line ``MONOTONIC LINEAR ANGULAR`` of its true velocity.
+begins again at zero), ``goals reject``, ``goals abort``, ``goals keep`` (they do not end by themselves), ``goals
+take``, ``goals off`` and ``goals on`` (of its actions).
+
+With ``--log FILE`` each step is a line ``MONOTONIC LINEAR ANGULAR`` of its true velocity; with ``--goals FILE`` what
+becomes of each goal is a line ``MONOTONIC WHAT``.
 """
 
 from __future__ import annotations
@@ -28,6 +32,7 @@ from functools import partial
 from pathlib import Path
 from typing import IO, Any
 
+import numpy as np
 import rclpy
 from geometry_msgs.msg import Twist, TwistStamped
 from nav_msgs.msg import Odometry as RosOdometry
@@ -35,11 +40,13 @@ from rclpy.executors import ExternalShutdownException, SingleThreadedExecutor
 from rclpy.qos import qos_profile_sensor_data
 from rosgraph_msgs.msg import Clock
 from sensor_msgs.msg import BatteryState as RosBattery
+from sensor_msgs.msg import Imu as RosImu
 from sensor_msgs.msg import JointState as RosJointState
 from sensor_msgs.msg import LaserScan as RosScan
 
 from app.base.child_processes import end_with_parent
 from app.base.geometry import Pose2
+from app.base.kinematic_model import load_model
 from app.link import RobotLink
 from app.logs.ros.live.classes import MadeMessage, message_class
 from app.logs.stamps import SECOND, to_ns
@@ -54,12 +61,14 @@ from app.robots.simulated.battery import Battery
 from app.robots.simulated.kinematic.config import KinematicLaserConfig, kinematic_of
 from app.robots.simulated.kinematic.link import KinematicLink
 from app.robots.simulated.ros2_camera import CameraPublisher
+from app.robots.simulated.ros2_joint_action import JointAction
 from app.runtime.clock import RealClock
 
 #: Robot's laser: an RPLIDAR A1's rays, all around.
 _LASER: dict[str, Any] = {"rays": 360, "fov_deg": 359.0, "range_max_m": 12.0, "range_min_m": 0.15}
 _SIM_BEGAN_S = 1000.0
 _BATTERY = BatteryConfig(capacity_wh=26.0, charge=0.9, empty_v=12.0, full_v=16.4)
+_GRAVITY = 9.81
 _LOAD_W, _BATTERY_S = 12.0, 1.0
 
 
@@ -97,20 +106,34 @@ class Ros2Player:
         self._log: IO[str] | None = None if options.log is None else options.log.open("w", encoding="utf-8")
         rclpy.init(args=["--ros-args", "--disable-external-lib-logs"], domain_id=options.domain)
         node = self._node = rclpy.create_node("turtlebot", enable_rosout=False, start_parameter_services=False)
-        self._odometry = node.create_publisher(RosOdometry, "/odom", qos_profile_sensor_data)
-        self._scans = node.create_publisher(RosScan, "/scan", qos_profile_sensor_data)
-        self._joints = node.create_publisher(RosJointState, "/joint_states", 10)
-        self._batteries = node.create_publisher(RosBattery, "/battery_state", qos_profile_sensor_data)
+        named = {name: topic for name, (topic, _) in config.readings.items()}
+        odometry = "/odom" if config.streams.odometry.is_transform else named["odometry"]
+        self._odometry = node.create_publisher(RosOdometry, odometry, qos_profile_sensor_data)
+        self._scans = node.create_publisher(RosScan, named.get("hokuyo", "/scan"), qos_profile_sensor_data)
+        self._imus = node.create_publisher(RosImu, named["imu"], 10) if config.streams.imu is not None else None
+        self._imu_link = "" if config.streams.imu is None else config.streams.imu.link
+        #: Of a vector along the base's axes, that along the sensor's.
+        self._R_IB = load_model(config.model).pose(self._imu_link).rotation.T if self._imu_link else np.eye(3)
+        self._joints = node.create_publisher(RosJointState, named.get("joints", "/joint_states"), 10)
+        battery = named.get("battery", "/battery_state")
+        self._batteries = node.create_publisher(RosBattery, battery, qos_profile_sensor_data)
         self._battery = Battery(_BATTERY)
         self._drawn = self._began
         self._ticker = node.create_publisher(Clock, "/clock", 10) if self._sim_time else None
         self._loop = asyncio.get_running_loop()
         stamped = config.base.type == TWIST_STAMPED
         kind = TwistStamped if stamped else Twist
-        node.create_subscription(kind, "/cmd_vel", self._commanded, qos_profile_sensor_data)
+        commands = config.full_name(config.base.topic)
+        node.create_subscription(kind, commands, self._commanded, qos_profile_sensor_data)
+        goals = None if options.goals is None else options.goals.open("w", encoding="utf-8")
+        self._actions: list[JointAction] = []
         for group, topic in config.joint_commands.items():
-            take = partial(self._sent, group, tuple(joint.name for joint in config.groups[group].joints))
-            name = config.full_name(topic.topic)
+            names = tuple(joint.name for joint in config.groups[group].joints)
+            name = config.full_name(topic.topic or topic.action or "")
+            if topic.action is not None:
+                self._actions.append(JointAction(node, name, names, partial(self._command_joints, group), goals))
+                continue
+            take = partial(self._sent, group, names)
             node.create_subscription(message_class(topic.type), name, take, qos_profile_sensor_data)
         receivers: dict[str, Callable[[Any], None]] = {
             "odometry": self._give_odometry,
@@ -141,6 +164,12 @@ class Ros2Player:
                 self.ahead_s = float(seconds)
             case ["origin"] if self._last is not None:
                 self.origin = self._last.X_OB
+            case ["goals", ("reject" | "abort" | "keep" | "take") as what]:
+                for action in self._actions:
+                    action.fault = "" if what == "take" else what
+            case ["goals", ("on" | "off") as state]:
+                for action in self._actions:
+                    self._node.executor.create_task(partial(action.serve, on=state == "on"))
             case _:
                 raise ValueError(f"no such fault: {line!r}")
 
@@ -157,7 +186,10 @@ class Ros2Player:
             names, positions = tuple(message.joint_names), message.points[-1].positions
         else:
             positions = message.data
-        command = (group, names, tuple(map(float, positions)))
+        self._command_joints(group, names, tuple(map(float, positions)))
+
+    def _command_joints(self, group: str, names: tuple[str, ...], positions: tuple[float, ...]) -> None:
+        command = (group, names, positions)
         self._loop.call_soon_threadsafe(lambda: self._link.command(JointCommand(self._clock.now(), *command)))
 
     def _stamp(self, header: Any, stamp: float) -> None:
@@ -165,6 +197,7 @@ class Ros2Player:
         header.stamp.sec, header.stamp.nanosec = divmod(to_ns(own + self.ahead_s), SECOND)
 
     def _give_odometry(self, odometry: Odometry) -> None:
+        self._give_imu(odometry)
         self._last = odometry
         if self._log is not None:
             self._log.write(f"{time.monotonic()} {odometry.linear_mps} {odometry.angular_radps}\n")
@@ -187,6 +220,20 @@ class Ros2Player:
         message.twist.twist.angular.z = odometry.angular_radps
         self._odometry.publish(message)
 
+    def _give_imu(self, odometry: Odometry) -> None:
+        if self._imus is None or self._last is None or odometry.stamp <= self._last.stamp:
+            return
+        ahead = (odometry.linear_mps - self._last.linear_mps) / (odometry.stamp - self._last.stamp)
+        turning = self._R_IB @ (0.0, 0.0, odometry.angular_radps)
+        force = self._R_IB @ (ahead, odometry.linear_mps * odometry.angular_radps, _GRAVITY)
+        message = RosImu()
+        self._stamp(message.header, odometry.stamp)
+        message.header.frame_id = self._imu_link
+        for written, vector in ((message.angular_velocity, turning), (message.linear_acceleration, force)):
+            written.x, written.y, written.z = map(float, vector)
+        message.orientation_covariance[0] = -1.0  # it has no attitude
+        self._imus.publish(message)
+
     def _draw(self, now: float) -> None:
         """Discharge the battery, once a second, and say what is left."""
         if now - self._drawn < _BATTERY_S:
@@ -200,6 +247,8 @@ class Ros2Player:
         self._batteries.publish(message)
 
     def _give_joints(self, joints: JointState) -> None:
+        for action in self._actions:
+            action.take(joints)
         message = RosJointState()
         self._stamp(message.header, joints.stamp)
         message.name, message.position = list(joints.names), list(joints.positions)
@@ -251,6 +300,7 @@ def main() -> int:
     parser.add_argument("--sim-time", action="store_true", help="publish /clock, and stamp by it")
     parser.add_argument("--ahead", type=float, default=0.0, help="seconds by which its clock is ahead")
     parser.add_argument("--log", type=Path, default=None, help="file for its true velocity")
+    parser.add_argument("--goals", type=Path, default=None, help="file for what becomes of goals")
     asyncio.run(play(parser.parse_args()))
     return 0
 

@@ -8,12 +8,13 @@ import numpy as np
 import pytest
 
 from app.base.geometry import CameraModel, Pose2, Pose3
-from app.messages import Image, JointState, LaserScan, Odometry
+from app.messages import Image, Imu, JointState, LaserScan, Odometry
 from app.runtime.clock import run_virtual
 from tests.modules.fakes import Bench, FakeLink, drain
 
 KINECT = "app.modules.sensors.kinect:Kinect"
 HOKUYO = "app.modules.sensors.hokuyo:Hokuyo"
+INERTIAL = "app.modules.sensors.imu:InertialSensor"
 ODOMETRY = "app.modules.sensors.wheel_odometry:WheelOdometry"
 
 IMAGE = Image(
@@ -26,6 +27,7 @@ SCAN = LaserScan(
 LAZY = [
     pytest.param(KINECT, "kinect", "images", Image, IMAGE, id="kinect"),
     pytest.param(HOKUYO, "hokuyo", "scans", LaserScan, SCAN, id="hokuyo"),
+    pytest.param(INERTIAL, "imu", "imu", Imu, Imu(1.0, "imu_link", (0.0, 0.0, 0.1), (0.0, 0.0, 9.8)), id="imu"),
 ]
 
 
@@ -87,7 +89,9 @@ def test_a_body_without_the_stream_is_a_clear_failure() -> None:
     async def main() -> None:
         async with Bench(KINECT, outputs={"images": Image}, link=FakeLink(without=("kinect",))) as b:
             await b.settle()
-            assert "needs the stream 'kinect', which a test body does not have (it has: hokuyo, joints" in b.problem
+            assert (
+                "needs the stream 'kinect', which a test body does not have (it has: hokuyo, imu, joints" in b.problem
+            )
             assert b.supervisor.states["Tested"].stale
 
     run_virtual(main())

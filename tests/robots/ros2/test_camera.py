@@ -13,6 +13,7 @@ import pytest
 from numpy.typing import NDArray
 
 from app.base import paths
+from app.base.geometry import CameraModel
 from app.base.joint_buffer import JointBuffer
 from app.base.kinematic_model import KinematicModel, load_model
 from app.logs.importers.ros_messages import Unreadable
@@ -172,3 +173,35 @@ def test_a_calibration_of_another_size_is_refused(model: KinematicModel, joints:
     camera.info(Fields(**vars(info()) | {"width": 64, "height": 64}), AT)
     with pytest.raises(Unreadable, match="its CameraInfo is for 64 x 64 px"):
         camera.picture(raw(colors(), "rgb8"), AT)
+
+
+@pytest.mark.parametrize("quarters", [1, 2, 3])
+def test_turned_pictures_show_the_same_rays(model: KinematicModel, joints: JointBuffer, quarters: int) -> None:
+    def image(**setting: Any) -> Image:
+        camera = reader(model, joints, has_depth=True, fov=1.0, **setting)
+        camera.depth(raw(depths(), "16UC1"), AT)
+        made = camera.picture(raw(colors(), "rgb8"), AT)
+        assert made is not None
+        return made
+
+    as_it_lies, upright = image(), image(quarters=quarters)
+    assert upright.color.shape[:2] == (upright.camera.height, upright.camera.width)
+    assert upright.depth is not None
+    assert as_it_lies.depth is not None
+    assert not upright.color.flags.writeable
+    for u, v in ((3, 5), (WIDTH - 1, 0)):
+        lies = ray(as_it_lies, u, v)
+        x, y = u, v
+        for turn in range(quarters):
+            height = HEIGHT if turn % 2 == 0 else WIDTH
+            x, y = height - 1 - y, x
+        assert np.allclose(ray(upright, x, y), lies)
+        assert np.array_equal(upright.color[y, x], as_it_lies.color[v, u])
+        assert upright.depth[y, x] == as_it_lies.depth[v, u]
+
+
+def ray(image: Image, u: int, v: int) -> Any:
+    """Where the pixel looks, in base_link."""
+    camera = image.camera
+    assert isinstance(camera, CameraModel)
+    return image.X_BC.rotation @ ((u - camera.cx) / camera.fx, (v - camera.cy) / camera.fy, 1.0)

@@ -8,7 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from app.base import paths
 from app.base.errors import ConfigError
+from app.base.yaml_source import load_yaml
 from app.link import LinkFailed
 from app.logs.ros.live.graph import MISSING, environment
 from app.robots.factory import load_body
@@ -57,7 +59,7 @@ def changed(folder: Path, before: str, after: str) -> Path:
         (
             "  hokuyo:",
             "  lidar:",
-            "streams.lidar: unknown key; allowed: battery, camera, hokuyo, joints, kinect, odometry",
+            "streams.lidar: unknown key; allowed: battery, camera, hokuyo, imu, joints, kinect, odometry",
         ),
         (
             "link: oakd_rgb_camera_optical_frame",
@@ -67,7 +69,7 @@ def changed(folder: Path, before: str, after: str) -> Path:
         (
             "height_m: 0.35",
             "actuators: {head: {joints: [left_wheel_joint]}}",
-            "actuators: head has no topic in joint_commands",
+            "actuators: head has no topic or action in joint_commands",
         ),
         (
             "height_m: 0.35",
@@ -78,6 +80,26 @@ def changed(folder: Path, before: str, after: str) -> Path:
             "height_m: 0.35",
             "actuators: {head: {joints: [left_wheel_joint], compliant: true}}",
             "head: over ROS 2 joints take positions alone: no compliance, and no contact",
+        ),
+        (
+            "  battery: {",
+            "  imu: {topic: imu, link: left_wheel}\n  battery: {",
+            "moves 'left_wheel'; the inertial sensor must be fixed to the base",
+        ),
+        (
+            "height_m: 0.35",
+            "joint_commands: {head: {topic: head, action: head}}",
+            "joint_commands.head: set-points go to a topic or to an action: name one of them",
+        ),
+        (
+            "height_m: 0.35",
+            "joint_commands: {head: {action: head, type: std_msgs/msg/Float64MultiArray}}",
+            "joint_commands.head: type is a topic's; the action head is a control_msgs/action/FollowJointTrajectory",
+        ),
+        (
+            "rate_hz: 10, link: oakd",
+            "turned_deg: 45, link: oakd",
+            "streams.camera.turned_deg: should be 0, 90, 180 or 270",
         ),
         ("height_m: 0.35", "joint_commands: {head: {topic: head}}", "joint_commands: there is no group 'head'"),
         (
@@ -157,3 +179,14 @@ def test_a_camera_that_joints_move_needs_them(tmp_path: Path) -> None:
     path.write_text(path.read_text("utf-8").replace("  joints: {topic: joint_states, rate_hz: 20}\n", ""), "utf-8")
     with pytest.raises(ConfigError, match=r"'left_wheel_joint' of the model moves 'left_wheel'.*map joints"):
         load_ros2_config(path)
+
+
+def test_the_stretch_has_the_joints_that_its_program_turns() -> None:
+    program = load_yaml(paths.config_dir() / "stretch.yaml").data
+    body = load_body(paths.config_dir() / "robots" / "stretch.yaml")
+    assert isinstance(body, Ros2Config)
+    teleop = program["modules"]["HeadTeleop"]["settings"]
+    joints = [joint.name for joint in body.groups["head"].joints]
+    assert [teleop["pan"], teleop["tilt"]] == joints
+    assert body.joint_commands["head"].hz == 4.0
+    assert describe(body).streams["imu"].rate_hz == 30

@@ -100,12 +100,12 @@ async def test_head_and_gripper_follow_commands_and_stop_with_them(robot: Robot,
         await joints.send("head", "pan_joint", -0.5)
 
 
-async def still(driver: Ros2Driver, joints: Joints) -> float:
-    """Where the head is once it has been at one place for a while."""
+async def still(driver: Ros2Driver, joints: Joints, name: str = "pan_joint") -> float:
+    """Where the joint ``name`` is once it has been at one place for a while."""
     while True:
-        before = joints.at("pan_joint")
+        before = joints.at(name)
         for _ in range(10):
             driver.newest.pop("joints")
             await driver.wait_for("joints", lambda seen: "joints" in seen)
-        if abs(joints.at("pan_joint") - before) < 1e-4:
+        if abs(joints.at(name) - before) < 1e-4:
             return before

@@ -12,7 +12,7 @@ import pytest
 from app.base.geometry import Pose3
 from app.logs.importers.ros_messages import Unreadable
 from app.messages import BatteryState, LaserScan, Odometry
-from app.robots.ros2.messages import TransformOdometry, battery, converters, odometry, set_stamp, stamp_of
+from app.robots.ros2.messages import TransformOdometry, battery, converters, imu, odometry, set_stamp, stamp_of
 
 AT = 1_700_000_000.25
 
@@ -30,7 +30,7 @@ def drive(x: float = 1.0) -> Fields:
 
 
 def test_the_time_that_a_message_is_given_replaces_its_own() -> None:
-    read = converters(None)["odometry"](drive(), AT)
+    read = converters()["odometry"](drive(), AT)
     assert isinstance(read, Odometry)
     assert read.stamp == AT
     assert read.X_OB.theta == pytest.approx(0.5)
@@ -48,7 +48,7 @@ def test_a_scan_is_placed_by_the_mapping() -> None:
         header=header(frame="laser"), ranges=[0.5, math.inf, math.nan], intensities=[], angle_min=-1.0, angle_max=1.0,
         angle_increment=1.0, time_increment=0.0, scan_time=0.1, range_min=0.15, range_max=12.0,
     )  # fmt: skip
-    read = converters(X_BL)["hokuyo"](message, AT)
+    read = converters({"hokuyo": ("laser", X_BL)})["hokuyo"](message, AT)
     assert isinstance(read, LaserScan)
     assert np.array_equal(read.ranges, np.array([0.5, np.inf, 0.0], np.float32))
     assert (read.stamp, read.frame, read.X_BL) == (AT, "laser", X_BL)
@@ -103,3 +103,52 @@ def test_odometry_of_transforms_has_the_velocity_that_led_there() -> None:
     assert turned.angular_radps == pytest.approx(0.6)
     with pytest.raises(Unreadable):
         read(transform(math.nan), 12.0)
+
+
+class Inertial(Fields):
+    """A sensor_msgs/Imu of a sensor that measures all, with no word on how well."""
+
+    def __init__(self, **given: Any) -> None:
+        fields = {
+            "header": header(),
+            "orientation": Fields(x=0.0, y=0.0, z=0.0, w=1.0),
+            "angular_velocity": Fields(x=0.1, y=0.2, z=0.3),
+            "linear_acceleration": Fields(x=1.0, y=2.0, z=9.0),
+            "orientation_covariance": [0.0] * 9,
+            "angular_velocity_covariance": [0.0] * 9,
+            "linear_acceleration_covariance": [0.0] * 9,
+        }
+        super().__init__(**(fields | given))
+
+
+def diagonal(x: float, y: float, z: float) -> list[float]:
+    return [x, 0.0, 0.0, 0.0, y, 0.0, 0.0, 0.0, z]
+
+
+def test_an_inertial_sensor_is_turned_into_the_axes_of_the_base() -> None:
+    # Mounted upside down, its x to the right of the robot: as that of a Stretch.
+    place = Pose3.from_translation_rpy((-0.1, 0.0, 0.1), (math.pi, 0.0, -math.pi / 2))
+    felt = imu(Inertial(angular_velocity_covariance=diagonal(1.0, 4.0, 9.0)), AT, "imu_link", place)
+    assert (felt.stamp, felt.frame) == (AT, "imu_link")
+    assert felt.angular_velocity == pytest.approx((-0.2, -0.1, -0.3))
+    assert felt.specific_force == pytest.approx((-2.0, -1.0, -9.0))
+    assert felt.angular_velocity_covariance == pytest.approx(diagonal(4.0, 1.0, 9.0))
+    assert (felt.specific_force_covariance, felt.attitude, felt.attitude_covariance) == (None, None, None)
+
+
+def test_an_attitude_is_that_of_the_base() -> None:
+    place = Pose3.from_translation_rpy((0.0, 0.0, 0.0), (math.pi, 0.0, 0.0))
+    rolled = Fields(x=math.sin((math.pi + 0.2) / 2), y=0.0, z=0.0, w=math.cos((math.pi + 0.2) / 2))
+    felt = imu(Inertial(orientation=rolled, orientation_covariance=diagonal(0.1, 0.1, 0.2)), AT, "imu", place)
+    assert felt.attitude == pytest.approx((math.sin(0.1), 0.0, 0.0, math.cos(0.1)))
+    assert felt.attitude_covariance == tuple(diagonal(0.1, 0.1, 0.2))
+    none = imu(Inertial(orientation=rolled, orientation_covariance=[-1.0] + [0.0] * 8), AT, "imu", place)
+    assert none.attitude is None
+
+
+def test_an_inertial_sensor_that_measures_nothing_is_not_read() -> None:
+    place = Pose3.identity()
+    with pytest.raises(Unreadable, match="does not measure angular velocity, or acceleration"):
+        imu(Inertial(linear_acceleration_covariance=[-1.0] + [0.0] * 8), AT, "imu", place)
+    with pytest.raises(Unreadable, match="not finite"):
+        imu(Inertial(angular_velocity=Fields(x=math.nan, y=0.0, z=0.0)), AT, "imu", place)

@@ -77,7 +77,7 @@ def test_what_is_missing_is_said_and_the_rest_is_mapped(tmp_path: Path, left_out
 def test_nothing_at_all_is_a_mapping_to_be_filled_in(tmp_path: Path) -> None:
     proposal = propose([])
     assert not proposal.drivable
-    assert len(proposal.missing) == len(TYPES) + 2
+    assert len(proposal.missing) == len(TYPES) + 1, "all but the IMU, and the base with its watchdog"
     load_ros2_config(written(proposal, tmp_path))
 
 
@@ -106,8 +106,25 @@ def test_a_wrong_clock_and_a_simulated_one_are_noticed() -> None:
 
 
 def test_what_is_not_mapped_yet_is_named() -> None:
-    remarks = propose([*WHOLE, Topic("/imu", "sensor_msgs/msg/Imu"), Topic("/tf", "tf2_msgs/msg/TFMessage")]).remarks
-    assert remarks == ("Topics of clouds, IMUs and frames are not mapped yet: /imu, /tf.",)
+    clouds = Topic("/points", "sensor_msgs/msg/PointCloud2")
+    remarks = propose([*WHOLE, clouds, Topic("/tf", "tf2_msgs/msg/TFMessage")]).remarks
+    assert remarks == ("Topics of clouds and frames are not mapped yet: /points, /tf.",)
+
+
+def test_an_inertial_sensor_is_mapped_and_an_action_is_named(tmp_path: Path) -> None:
+    imu = Topic("/imu", TYPES["imu"], rate_hz=98.0, frame="rplidar_link")
+    feedback = Topic("/arm/follow/_action/feedback", "control_msgs/action/FollowJointTrajectory_FeedbackMessage")
+    proposal = propose([*WHOLE, imu, feedback], {"base_link": True, "rplidar_link": True})
+    sensor = load_ros2_config(written(proposal, tmp_path)).streams.imu
+    assert sensor is not None
+    assert (sensor.topic, sensor.rate_hz, sensor.link) == ("/imu", 98.0, "rplidar_link")
+    assert proposal.remarks == (
+        "joints: trajectories are taken by the action /arm/follow: name the groups in actuators and joint_commands.",
+    )
+    missing = propose([*WHOLE, imu], {"base_link": True}).missing
+    assert (
+        "inertial sensor: the model has no link 'rplidar_link', which its messages name; it has base_link." in missing
+    )
 
 
 def test_a_bag_is_looked_at(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -125,8 +125,9 @@ class _Held:
         return self._bytes[address][1]
 
 
-class _Maker:
-    """Makes classes. All that C points to is kept as long as this is."""
+class Maker:
+    """Makes classes. All that C points to is kept as long as this is. ``sources``: for a type's support, that there is
+    no text of its definition."""
 
     def __init__(self) -> None:
         self._cdr = _Cdr()
@@ -134,7 +135,7 @@ class _Maker:
         self._introspection = Introspection()
         self._kept: list[Any] = []
         self._no_sources = NoSources(None, 0, 0)
-        self._sources = Getter(lambda _: addressof(self._no_sources))
+        self.sources = Getter(lambda _: addressof(self._no_sources))
         self._serialize = Serialize(self._written)
         self._deserialize = Serialize(self._taken)
         self._size = Size(lambda message: max(len(self._held.get(message)) - len(_ENCAPSULATION), 0))
@@ -142,8 +143,12 @@ class _Maker:
         self._create = Create(self._held.create)
         self._destroy = Destroy(self._held.destroy)
 
-    def message(self, name: str) -> type[MadeMessage]:
-        """The class of the type ``name``, which the store has."""
+    def keep(self, *made: object) -> None:
+        """Keep what C points to."""
+        self._kept += made
+
+    def message(self, name: str, base: type[MadeMessage] = MadeMessage) -> type[MadeMessage]:
+        """The class of the type ``name``, which the store has, with what ``base`` has."""
         support = self._message_support(name)
         made: Any = None
 
@@ -168,7 +173,7 @@ class _Maker:
                 "_CONVERT_TO_PY": _function(functions[1]),
             },
         )
-        made = metaclass(name.rpartition("/")[2], (MadeMessage,), {"__slots__": (), "type_name": name})
+        made = metaclass(name.rpartition("/")[2], (base,), {"__slots__": (), "type_name": name})
         return made  # type: ignore[no-any-return]
 
     def service(self, name: str, request: type[MadeMessage], response: type[MadeMessage]) -> type[Any]:
@@ -188,7 +193,7 @@ class _Maker:
             None,
             Getter(lambda _: addressof(hash_of)),
             Getter(lambda _: addressof(described)),
-            self._sources,
+            self.sources,
         )
         pairs = addressof(supports[0]), addressof(supports[1]), None
         other = ServiceSupport(
@@ -217,7 +222,7 @@ class _Maker:
             handle=_chosen(self._introspection.support(name)),
             hash=Getter(lambda _: addressof(hash_of)),
             description=Getter(lambda _: addressof(described)),
-            sources=self._sources,
+            sources=self.sources,
         )
         self._kept += [callbacks, hash_of, described, support]
         return support
@@ -234,35 +239,37 @@ class _Maker:
         return True
 
 
-def message_class(name: str) -> type[MadeMessage]:
+def message_class(name: str, base: Any = MadeMessage) -> type[MadeMessage]:
     """The class for rclpy of the message type ``name``, which :mod:`app.logs.ros.typestore` has; the same each time.
+    It has what ``base`` has.
 
     Raises KeyError for a type that the store does not have, Unsupported.
     """
-    return _message(name)
+    return _message(name, base)
 
 
-def service_class(name: str, request: str, response: str) -> type[Any]:
+def service_class(name: str, request: str, response: str, base: Any = MadeMessage) -> type[Any]:
     """The class for rclpy of the service ``name`` (``hbba_msgs/srv/AddDesire``) with the fields of ``request`` and
-    ``response``, as a ``.srv`` file has them. Its ``Request`` and ``Response`` are of :class:`MadeMessage`.
+    ``response``, as a ``.srv`` file has them. Its ``Request`` and ``Response`` are of ``base``.
 
     Raises Unsupported.
     """
-    return _service(name, request, response)
+    return _service(name, request, response, base)
 
 
 @cache
-def _maker() -> _Maker:
-    return _Maker()
+def maker() -> Maker:
+    """What makes the classes, of which there is one."""
+    return Maker()
 
 
 @cache
-def _message(name: str) -> type[MadeMessage]:
-    return _maker().message(name)
+def _message(name: str, base: Any) -> type[MadeMessage]:
+    return maker().message(name, base)
 
 
 @cache
-def _service(name: str, request: str, response: str) -> type[Any]:
+def _service(name: str, request: str, response: str, base: Any) -> type[Any]:
     typestore.add(f"{name}_Request", request)
     typestore.add(f"{name}_Response", response)
     # A service is described, and hashed, as a message that has both and an event (REP 2016).
@@ -270,7 +277,7 @@ def _service(name: str, request: str, response: str) -> type[Any]:
     parts = f"{name}_Request[<=1] request\n{name}_Response[<=1] response\n"
     typestore.add(f"{name}_Event", f"service_msgs/ServiceEventInfo info\n{parts}")
     typestore.add(name, "".join(f"{name}_{part} {part.lower()}_message\n" for part in ("Request", "Response", "Event")))
-    return _maker().service(name, _message(f"{name}_Request"), _message(f"{name}_Response"))
+    return maker().service(name, _message(f"{name}_Request", base), _message(f"{name}_Response", base))
 
 
 def _chosen(introspection: Any) -> Any:

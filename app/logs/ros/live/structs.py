@@ -70,6 +70,21 @@ class ServiceSupport(Structure):
     )
 
 
+class ActionSupport(Structure):
+    """``rosidl_action_type_support_t``."""
+
+    _fields_ = (
+        ("goal", c_void_p),
+        ("result", c_void_p),
+        ("cancel", c_void_p),
+        ("feedback", c_void_p),
+        ("status", c_void_p),
+        ("hash", Getter),
+        ("description", Getter),
+        ("sources", Getter),
+    )
+
+
 class Member(Structure):
     """``rosidl_typesupport_introspection_c__MessageMember``; offsets and functions are of messages in C, which ours are
     not."""
@@ -200,3 +215,10 @@ def capsule(pointer: int) -> object:
     new.restype, new.argtypes = py_object, [c_void_p, c_char_p, c_void_p]
     made: object = new(pointer, None, None)
     return made
+
+
+def pointer_in(held: object) -> int:
+    """What a PyCapsule that rclpy takes of a class points to."""
+    get = ctypes.pythonapi.PyCapsule_GetPointer
+    get.restype, get.argtypes = c_void_p, [py_object, c_char_p]
+    return int(get(held, None) or 0)
