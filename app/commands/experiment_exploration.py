@@ -22,7 +22,6 @@ def add_parser(experiments: Any) -> None:
     )
     add_config(parser)
     parser.add_argument("--scenario", metavar="FILE", help="people: a file, or a name (default: nobody)")
-    parser.add_argument("--blind", action="store_true", help="without the Kinect: quicker")
     add_json(parser)
 
 
@@ -34,7 +33,7 @@ def run(args: argparse.Namespace) -> int:
     from app.experiments.exploration.experiment import run as explore
 
     scenario = None if args.scenario is None else experiment_scenario(args.scenario)
-    what = plan(program_named(args.config), scenario, cameras=not args.blind)
+    what = plan(program_named(args.config), scenario)
     logging_setup.configure("warning", as_json=False)
     with shown("of the floor is mapped") as progress:
         result = explore(what, lambda share: progress(round(1000 * share), 1000))

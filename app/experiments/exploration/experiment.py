@@ -61,23 +61,20 @@ class ExplorationResult:
 
 @dataclass(frozen=True, slots=True)
 class ExplorationPlan:
-    """The program of ``config``, in its world with the people of ``scenario`` (None: nobody); ``cameras`` render."""
+    """The program of ``config``, in its world with the people of ``scenario`` (None: nobody)."""
 
     config: Path
     scenario: Path | None
-    cameras: bool
     patience_s: float = PATIENCE_S
 
 
-def plan(
-    config: Path | None, scenario: Path | None, *, cameras: bool, patience_s: float = PATIENCE_S
-) -> ExplorationPlan:
+def plan(config: Path | None, scenario: Path | None, *, patience_s: float = PATIENCE_S) -> ExplorationPlan:
     """Read everything. Raises ConfigError."""
     config = config or paths.config_dir() / "lab.yaml"
     if "Curiosity" not in load_configuration(config).program.modules:
         raise ConfigError("this program does not explore: it has no module Curiosity", str(config))
     simulated_parts(body_in(config, scenario))
-    return ExplorationPlan(config, scenario, cameras, patience_s)
+    return ExplorationPlan(config, scenario, patience_s)
 
 
 def run(what: ExplorationPlan, progress: Callable[[float], None]) -> ExplorationResult:
@@ -87,8 +84,6 @@ def run(what: ExplorationPlan, progress: Callable[[float], None]) -> Exploration
     """
     compiled.make_ready()
     body = seeing(body_in(what.config, what.scenario))
-    if not what.cameras:
-        body = body.model_copy(update={"streams": body.streams.model_copy(update={"kinect": None})})
 
     floor = survey(simulated_parts(body)[1], body)
     radius_m = inscribed_radius_m(body.footprint) + _SPARE_M
@@ -97,7 +92,8 @@ def run(what: ExplorationPlan, progress: Callable[[float], None]) -> Exploration
         start = run.link.true_pose()
         return await _explore(run, floor, floor.reachable(start, radius_m), what.patience_s, progress)
 
-    return run_in_world(load_configuration(what.config), body, script, cameras=what.cameras, without=UNCONCERNED)
+    cameras = body.streams.kinect is not None
+    return run_in_world(load_configuration(what.config), body, script, cameras=cameras, without=UNCONCERNED)
 
 
 def document(result: ExplorationResult) -> dict[str, Any]:
