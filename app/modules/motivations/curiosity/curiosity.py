@@ -13,7 +13,7 @@ Of the frontiers of the map (``frontiers.py``) it desires the one that costs lea
 desired: a goal of people that is desired more has its way. Most frontiers are seen before they are reached; the next is
 desired at once. One that could not be reached comes last, and is tried once more. A desire Explore is done when none is
 left for a while: a map that still grows has others soon. Where people withdraw the goal, as by stopping all driving,
-exploring ends with it.
+exploring ends with it. A robot that can turn its head looks where it goes meanwhile (LookWhereGoing).
 
 With ``grows_s`` it is a drive (``drive.py``), too: the longer no behavior has moved the robot, the more it desires to
 explore.
@@ -22,6 +22,7 @@ explore.
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Any, Final
 
 from pydantic import BaseModel, ConfigDict, Field
@@ -44,6 +45,8 @@ from app.modules.stream_module import robot_link
 from app.runtime.module import ModuleContext
 
 GO_TO: Final = "GoTo"
+#: Desired beside it by a robot that can: what stands on unknown ground may be lower than the laser.
+LOOK: Final = "LookWhereGoing"
 _BEAT_S = 1.0
 #: Near enough to a frontier (m, rad): what is to be seen from there is seen.
 _TOLERANCE: Final = {"tolerance_m": 0.3, "tolerance_rad": 0.4}
@@ -178,9 +181,13 @@ class Curiosity(Drive):
         if run.goal is not None:
             self._workspace.change(run.goal, params=params)
         else:
-            source = Source("motivation", self.name)
-            added = self._workspace.add(GO_TO, intensity=desire.intensity, utility=1.0, params=params, source=source)
-            run.goal = added.id
+            run.goal = self._add(GO_TO, desire.intensity, params)
+            if run.look is None and LOOK in self._workspace.classes:
+                run.look = self._add(LOOK, desire.intensity)
+
+    def _add(self, cls: str, intensity: float, params: Mapping[str, Any] | None = None) -> str:
+        source = Source("motivation", self.name)
+        return self._workspace.add(cls, intensity=intensity, utility=1.0, params=params, source=source).id
 
     def _look_at_goal(self, run: _Exploration) -> bool:
         """Take what has become of the desire for a frontier; whether exploring goes on.
@@ -196,7 +203,7 @@ class Curiosity(Drive):
         if report is not None and report.ended is None:
             return True
         if report is None or report.outcome not in ("done", "failed"):
-            self._run = None
+            self._end()
             self._workspace.remove(run.desire_id)
             return False
         # Seen from there, a frontier is none any more: one that stays cannot be seen, and is as one not reached.
@@ -211,22 +218,26 @@ class Curiosity(Drive):
         reason = f"all that it can reach is mapped: {area_m2:.0f} m² of floor in {now - run.since:.0f} s"
         if left:
             reason += f"; {left} {'place' if left == 1 else 'places'} could not be looked at"
-        self._run = None
+        self._end()
         self._workspace.accomplish(Accomplishment(now, run.desire_id, self.name, "done", reason))
 
     def _end(self) -> None:
         run, self._run = self._run, None
         if run is not None:
             self._withdraw(run)
+            self._remove(run.look)
 
     def _withdraw(self, run: _Exploration) -> None:
         goal, run.goal, run.frontier = run.goal, None, None
-        if goal is None:
+        self._remove(goal)
+
+    def _remove(self, desire_id: str | None) -> None:
+        if desire_id is None:
             return
         try:
-            self._workspace.remove(goal)
+            self._workspace.remove(desire_id)
         except UnknownDesire:
-            self.log.debug("desire %s has left already", goal)
+            self.log.debug("desire %s has left already", desire_id)
 
 
 class _Exploration:
@@ -241,6 +252,8 @@ class _Exploration:
         #: What is gone to, and the id of the desire for it.
         self.frontier: Frontier | None = None
         self.goal: str | None = None
+        #: The id of the desire to look ahead.
+        self.look: str | None = None
         self.refused: tuple[Refused, ...] = ()
 
 

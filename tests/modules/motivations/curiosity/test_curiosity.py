@@ -13,6 +13,7 @@ from app.attention.desires import Desire, DesireClasses, Source
 from app.attention.workspace import IntentionWorkspace
 from app.base.geometry import Pose2
 from app.messages import Accomplishment, Exploitation, Localization, OccupancyGrid, Twist, Zones
+from app.modules.behaviors.gaze.look_where_going import LOOK_WHERE_GOING
 from app.modules.behaviors.go_to import GO_TO
 from app.modules.motivations.curiosity.curiosity import EXPLORE
 from app.runtime.clock import run_virtual
@@ -37,7 +38,9 @@ class Robot:
     """The module, a workspace, and a map that the test draws; the robot is in the corridor's left end, at (0, 0)."""
 
     def __init__(self, **settings: Any) -> None:
-        self.workspace = IntentionWorkspace(DesireClasses([EXPLORE, GO_TO]), lambda: self.bench.clock.now())
+        self.workspace = IntentionWorkspace(
+            DesireClasses([EXPLORE, GO_TO, LOOK_WHERE_GOING]), lambda: self.bench.clock.now()
+        )
         link = FakeLink()
         square = ((SIDE_M, -SIDE_M), (SIDE_M, SIDE_M), (-SIDE_M, SIDE_M), (-SIDE_M, -SIDE_M))
         link.description = replace(link.description, footprint=square)
@@ -75,6 +78,7 @@ def test_it_goes_to_where_the_map_ends_further_as_it_grows_until_nothing_is_left
             assert (first.intensity, first.source.kind, first.source.name) == (5, "motivation", "Tested")
             assert 1.5 < first.params["x"] < 2.3
             assert abs(first.params["heading"]) < 0.6, "it looks to what is not known"
+            assert robot.workspace.wanted("LookWhereGoing") is not None
             further = await robot.sees(6.0)
             assert further is not None
             assert further.id == first.id, "one goal, which moves on"
