@@ -84,6 +84,9 @@ class CuriositySettings(DriveSettings):
     least_m: float = Field(0.4, gt=0, le=5, description="a shorter border between free floor and unknown is left alone")
     settled_s: float = Field(5.0, ge=0, description="time without a frontier after which all is explored")
     tries: int = Field(2, ge=1, le=10, description="how often a frontier that cannot be reached is tried")
+    patience_s: float = Field(
+        30.0, gt=0, description="a frontier before which the robot stands for so long cannot be reached"
+    )
     spare_m: float = Field(0.05, ge=0, le=0.5, description="room around the body where it is sent")
 
 
@@ -153,6 +156,7 @@ class Curiosity(Drive):
             run = self._run = _Exploration(desire.id, X_MB, self.clock.now())
         if not self._look_at_goal(run):
             return
+        self._lose_patience(run, X_MB)
         given = ExploreParameters.model_validate(desire.params)
         found = await self.compute(frontiers, grid, self._zones, X_MB, self._radius_m, self.settings.least_m)
         if self._run is not run:
@@ -211,6 +215,15 @@ class Curiosity(Drive):
         run.goal = run.frontier = None
         return True
 
+    def _lose_patience(self, run: _Exploration, X_MB: Pose2) -> None:
+        """Refuse the frontier before which the robot stands, sooner than people would be asked for help."""
+        now = self.clock.now()
+        if run.frontier is None or self._idle or not _same_stand(X_MB, run.at):
+            run.at, run.moved = X_MB, now
+        elif now - run.moved > self.settings.patience_s:
+            run.refused, run.moved = refuse(run.refused, run.frontier), now
+            self._withdraw(run)
+
     def _done(self, run: _Exploration) -> None:
         now, grid = self.clock.now(), self._grid
         area_m2 = 0.0 if grid is None else known_floor_m2(grid)
@@ -247,6 +260,8 @@ class _Exploration:
         self.desire_id = desire_id
         self.began = began
         self.since = since
+        #: Where the robot last was after a move, and when.
+        self.at, self.moved = began, since
         #: When there last was a frontier to go to.
         self.frontier_seen = since
         #: What is gone to, and the id of the desire for it.

@@ -115,6 +115,22 @@ def test_what_cannot_be_reached_is_tried_once_more_and_said_at_the_end() -> None
     run_virtual(main())
 
 
+def test_a_frontier_before_which_it_stands_for_long_is_refused() -> None:
+    async def main() -> None:
+        robot = Robot(patience_s=5)
+        async with robot.bench:
+            wanted = robot.explore()
+            for _ in range(2):
+                goal = await robot.sees(3.0)
+                assert goal is not None
+                await robot.bench.clock.sleep(7.0)
+                assert robot.workspace.report(goal.id).ended is not None
+            await robot.bench.clock.sleep(6.0)
+            assert robot.workspace.report(wanted.id).outcome == "done"
+
+    run_virtual(main())
+
+
 def test_exploring_ends_where_people_withdraw_its_goal() -> None:
     async def main() -> None:
         robot = Robot()
