@@ -1,6 +1,6 @@
 /** Where the robot is, where it goes and why not, in plain words. Pure. */
 
-import { decimals, t } from "../i18n";
+import { decimals, named, t } from "../i18n";
 import type { Desire, GoalPlace, LaneRow, LocalizationReport, Navigation, Place } from "../protocol/types";
 import { number, reasonText, sentence } from "../ui/format";
 import type { Tools } from "./mapTools";
@@ -67,7 +67,7 @@ export function placeWords(
   places: readonly Place[] = [],
   goal: Goal | null = null,
 ): string {
-  if (goal?.name && apart(at, goal) <= NEAR_M) return goal.name;
+  if (goal?.name && apart(at, goal) <= NEAR_M) return named(goal.name);
   const place = places.find((one) => apart(at, one) < START_M);
   if (place) return place.name;
   return Math.hypot(at.x, at.y) < START_M
