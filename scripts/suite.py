@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 #: Prefix of a command with lower priority: tests in virtual time leave the processor to those against the clock.
-GIVING_WAY = ("nice", "-n", "10")
+GIVING_WAY = ("nice", "-n", "3")
 
 #: Libraries of linear algebra compute in the calling thread, as in the program: theirs spin while they wait, at the
 #: cost of the tests beside. Read when numpy is loaded, which a plugin of pytest does before any file of ours.

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -16,6 +17,7 @@ from tests.browser.running import Robot, running_program
 from tests.browser.shared_robot.test_scene import SHOWN
 from tests.browser.tour_room import SIDE_M, write_program
 from tests.console.view.projection import projected
+from tests.patience import PATIENCE_S
 
 #: It hangs on the wall that the robot looks at first.
 POSTER = "tour:arm"
@@ -103,9 +105,16 @@ def test_a_click_in_the_view_is_the_point_of_a_step_and_a_drag_is_none(
     page.mouse.up()
     page.get_by_test_id("viewpoint-behind").click()  # the drag has turned the view
     # The robot picks with the newest camera that it knows, on a busy computer one of before the glide: then the click
-    # meets nothing, and a person clicks again.
-    press_until(lambda: click_on_poster(page, robot), hint, "detached")
-    seen = [float(page.get_by_test_id(f"step-point-{axis}").input_value()) for axis in "xyz"]
-    assert math.dist(seen, robot.true_place(POSTER)) < REACH_M
+    # meets nothing, or something else, and a person clicks again.
+    end = time.monotonic() + PATIENCE_S
+    while True:
+        press_until(lambda: click_on_poster(page, robot), hint, "detached")
+        seen = [float(page.get_by_test_id(f"step-point-{axis}").input_value()) for axis in "xyz"]
+        if math.dist(seen, robot.true_place(POSTER)) < REACH_M:
+            break
+        assert time.monotonic() < end, seen
+        page.get_by_test_id("tour-undo").click()
+        page.get_by_test_id("step-point-pick").click()
+        hint.wait_for()
     page.get_by_test_id("tour-undo").click()
     expect(page.get_by_test_id("step-point-z")).to_have_value("1")  # the click was the only edit
