@@ -10,8 +10,11 @@ from importlib import metadata
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-#: Parts of what is asked for: of fastapi, pydantic, numba and, before Python 3.14 has it itself, rosbags.
-PARTS = {"starlette", "pydantic-core", "llvmlite", "backports-zstd", "compression"}
+#: Parts of what is asked for: of fastapi, pydantic, numba, rclpy (what its actions are made of) and, before Python 3.14
+#: has it itself, rosbags.
+PARTS = {
+    "starlette", "pydantic-core", "llvmlite", "action-msgs", "unique-identifier-msgs", "backports-zstd", "compression",
+}  # fmt: skip
 
 #: Packages of extras that need not be installed, where their name is not that of the import.
 GIVEN_BY = {"piper": "piper-tts", "zenoh": "eclipse-zenoh", "foxglove": "foxglove-sdk"} | {
