@@ -61,7 +61,7 @@ class ExplorationResult:
 
 @dataclass(frozen=True, slots=True)
 class ExplorationPlan:
-    """The program of ``config``, in its world with the people of ``scenario`` (None: nobody)."""
+    """The program of ``config``, in its world with the people of ``scenario`` (None: no people)."""
 
     config: Path
     scenario: Path | None

@@ -45,7 +45,7 @@ from app.modules.stream_module import robot_link
 from app.runtime.module import ModuleContext
 
 GO_TO: Final = "GoTo"
-#: Desired beside it by a robot that can: what stands on unknown ground may be lower than the laser.
+#: Desired beside it by a robot that can: objects on unknown ground may be lower than the laser.
 LOOK: Final = "LookWhereGoing"
 _BEAT_S = 1.0
 #: Near enough to a frontier (m, rad): what is to be seen from there is seen.
@@ -85,7 +85,7 @@ class CuriositySettings(DriveSettings):
     settled_s: float = Field(5.0, ge=0, description="time without a frontier after which all is explored")
     tries: int = Field(2, ge=1, le=10, description="how often a frontier that cannot be reached is tried")
     patience_s: float = Field(
-        30.0, gt=0, description="a frontier before which the robot stands for so long cannot be reached"
+        30.0, gt=0, description="a frontier before which the robot has not moved for so long cannot be reached"
     )
     spare_m: float = Field(0.05, ge=0, le=0.5, description="room around the body where it is sent")
 
@@ -216,7 +216,7 @@ class Curiosity(Drive):
         return True
 
     def _lose_patience(self, run: _Exploration, X_MB: Pose2) -> None:
-        """Refuse the frontier before which the robot stands, sooner than people would be asked for help."""
+        """Refuse the frontier before which the robot does not move on, sooner than people would be asked for help."""
         now = self.clock.now()
         if run.frontier is None or self._idle or not _same_stand(X_MB, run.at):
             run.at, run.moved = X_MB, now
@@ -254,7 +254,7 @@ class Curiosity(Drive):
 
 
 class _Exploration:
-    """The exploration for one desire, begun at ``began`` at the time ``since``."""
+    """The exploration for one desire, from ``began`` and the time ``since`` on."""
 
     def __init__(self, desire_id: str, began: Pose2, since: float) -> None:
         self.desire_id = desire_id
