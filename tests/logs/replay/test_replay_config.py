@@ -134,6 +134,7 @@ def test_modules_that_would_hear_nothing_stay_out_with_their_strategies() -> Non
         "PlanAndFollowPath.base ",
         "LookA",
         "LookWhereGoing.",
+        "Curiosity.base ",
         "HeadControl.track_",
         "HeadTeleop.",
         "HeadControl.salient ",
