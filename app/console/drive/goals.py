@@ -14,9 +14,9 @@ if TYPE_CHECKING:
 
 #: The desire class that sends the robot somewhere.
 GO_TO = "GoTo"
-#: Those that drive it into a dock and out of it. They end with any goal, whatever desired them: a person who stops the
-#: robot means this, too.
-DOCKING = frozenset({"Dock", "Undock"})
+#: Those that drive it into a dock and out of it, and from one unknown place to the next. They end with any goal,
+#: whatever desired them: a person who stops the robot means this, too.
+SELF_DRIVEN = frozenset({"Dock", "Undock", "Explore"})
 #: The channel that says where the robot goes.
 REPORT = "navigation_report"
 #: Goals of these sources came over the console.
@@ -31,19 +31,19 @@ def asked_here(workspace: IntentionWorkspace) -> list[Desire]:
 
 
 def withdraw(workspace: IntentionWorkspace) -> None:
-    """Remove every goal that came over the console, and every desire to dock."""
+    """Remove every goal that came over the console, and every desire to dock or to explore."""
     with workspace.transaction():
-        docking = [desire for desire in workspace.desires() if desire.cls in DOCKING and desire.utility > 0]
-        for desire in (*asked_here(workspace), *docking):
+        driven = [desire for desire in workspace.desires() if desire.cls in SELF_DRIVEN and desire.utility > 0]
+        for desire in (*asked_here(workspace), *driven):
             workspace.remove(desire.id)
 
 
 def withdraw_all(workspace: IntentionWorkspace) -> None:
-    """Remove every goal and every desire to dock, of motivations and programs too; a desire that inhibits going
-    anywhere stays."""
+    """Remove every goal and every desire to dock or to explore, of motivations and programs too; a desire that
+    inhibits going anywhere stays."""
     with workspace.transaction():
         for desire in workspace.desires():
-            if desire.cls in {GO_TO, *DOCKING} and desire.utility > 0:
+            if desire.cls in {GO_TO, *SELF_DRIVEN} and desire.utility > 0:
                 workspace.remove(desire.id)
 
 

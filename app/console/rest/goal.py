@@ -101,8 +101,9 @@ def goal_router(system: System, hub: Hub) -> APIRouter:
 
     @router.delete("/goal", status_code=204, summary="Cancel the goal")
     async def cancel_goal() -> Response:
-        """Withdraws every desire of class GoTo that came over the console, and every one to dock, also the robot's own;
-        a goal that the robot gave up is no longer reported. A guided tour on its way is paused. May be repeated."""
+        """Withdraws every desire of class GoTo that came over the console, and every one to dock or to explore, also
+        the robot's own; a goal that the robot gave up is no longer reported. A guided tour on its way is paused. May be
+        repeated."""
         withdraw(workspace)
         pause_tour(system)
         dismiss_given_up(system)

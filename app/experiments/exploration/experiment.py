@@ -25,7 +25,7 @@ from app.robots.factory import simulated_parts
 
 #: Exploring is given up after so long (s).
 PATIENCE_S = 1800.0
-_LOOK_S = 0.5
+_LOOK_S, _LOOKS_S = 0.5, 10.0
 #: Room (m) around the body where it counts as able to stand.
 _SPARE_M = 0.05
 _EXPERIMENT = Source("operator", "the experiment")
@@ -84,13 +84,11 @@ def run(what: ExplorationPlan, progress: Callable[[float], None]) -> Exploration
     """
     compiled.make_ready()
     body = seeing(body_in(what.config, what.scenario))
-
     floor = survey(simulated_parts(body)[1], body)
     radius_m = inscribed_radius_m(body.footprint) + _SPARE_M
 
-    async def script(run: WorldRun) -> ExplorationResult:
-        start = run.link.true_pose()
-        return await _explore(run, floor, floor.reachable(start, radius_m), what.patience_s, progress)
+    async def script(world: WorldRun) -> ExplorationResult:
+        return await _explore(world, floor, radius_m, what.patience_s, progress)
 
     cameras = body.streams.kinect is not None
     return run_in_world(load_configuration(what.config), body, script, cameras=cameras, without=UNCONCERNED)
@@ -108,7 +106,7 @@ def table(result: ExplorationResult) -> str:
         ("floor it can get to, m²", f"{result.floor_m2:.0f}"),
         ("of it mapped", f"{100 * result.share:.1f} %"),
         ("time, s", f"{result.time_s:.0f}"),
-        *((f"until {part} % were mapped, s", _time_of(result, part)) for part in (50, 90, 95)),
+        *((f"until {part} % were mapped, s", _time_of(result, part)) for part in (50, 90, 99)),
         ("driven, m", f"{result.driven_m:.1f}"),
         ("touched", ", ".join(result.touched) or "nothing"),
     ]
@@ -133,39 +131,33 @@ def known_share(floor: ReachableFloor, cells: NDArray[np.bool_], grid: Occupancy
 
 
 async def _explore(
-    run: WorldRun,
-    floor: ReachableFloor,
-    cells: NDArray[np.bool_],
-    patience_s: float,
-    progress: Callable[[float], None],
+    run: WorldRun, floor: ReachableFloor, radius_m: float, patience_s: float, progress: Callable[[float], None]
 ) -> ExplorationResult:
-    start = run.link.true_pose()
-    system, clock = run.system, run.system.clock
-    grids: list[OccupancyGrid] = []
-    end = system.graph.channels["map"].observe(lambda grid: grids.__setitem__(slice(None), [grid]))
-    try:
-        desire = system.workspace.add("Explore", intensity=5, utility=1, source=_EXPERIMENT)
-        began, last, driven_m, share = clock.now(), start, 0.0, 0.0
-        looks: list[Look] = []
-        while system.workspace.report(desire.id).ended is None and clock.now() - began < patience_s:
-            await clock.sleep(_LOOK_S)
-            pose = run.link.true_pose()
-            driven_m += math.dist((pose.x, pose.y), (last.x, last.y))
-            last = pose
-            if grids and clock.now() - began >= 10.0 * (len(looks) + 1):
-                share = known_share(floor, cells, grids[0], start)
-                looks.append(Look(round(clock.now() - began, 1), round(driven_m, 2), round(share, 4)))
-                progress(share)
-        report = system.workspace.report(desire.id)
-    finally:
-        end()
+    system, clock, start = run.system, run.system.clock, run.link.true_pose()
+    cells, channel = floor.reachable(start, radius_m), system.graph.channels["map"]
+
+    def share() -> float:
+        return 0.0 if channel.latest is None else known_share(floor, cells, channel.latest, start)
+
+    desire = system.workspace.add("Explore", intensity=5, utility=1, source=_EXPERIMENT)
+    began, last, driven_m = clock.now(), start, 0.0
+    looks: list[Look] = []
+    while system.workspace.report(desire.id).ended is None and clock.now() - began < patience_s:
+        await clock.sleep(_LOOK_S)
+        pose = run.link.true_pose()
+        driven_m += math.dist((pose.x, pose.y), (last.x, last.y))
+        last = pose
+        if clock.now() - began >= _LOOKS_S * (len(looks) + 1):
+            looks.append(Look(round(clock.now() - began, 1), round(driven_m, 2), round(share(), 4)))
+            progress(looks[-1].share)
+    report = system.workspace.report(desire.id)
     return ExplorationResult(
         outcome="late" if report.ended is None else str(report.outcome),
         reason=report.reason,
         time_s=round(clock.now() - began, 1),
         driven_m=round(driven_m, 1),
         floor_m2=round(float(np.count_nonzero(cells)) * CELL_M**2, 1),
-        share=round(known_share(floor, cells, grids[0], start), 4) if grids else 0.0,
+        share=round(share(), 4),
         touched=tuple(contact.what for contact in run.link.contacts),
         looks=tuple(looks),
     )

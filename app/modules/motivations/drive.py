@@ -74,7 +74,8 @@ class Drive(Module):
         super().__init__(context)
         self.every(_BEAT_S, self._drive)
         self._urge = 0.0
-        self._driven: str | None = None
+        #: The id of the desire that it has stated.
+        self._stated: str | None = None
         self._beat: float | None = None
 
     @property
@@ -99,35 +100,37 @@ class Drive(Module):
 
     async def stop(self) -> None:
         """Withdraw the desire."""
-        desire_id, self._driven = self._driven, None
-        if desire_id is not None:
-            try:
-                self._workspace.remove(desire_id)
-            except UnknownDesire:
-                self.log.debug("desire %s has left already", desire_id)
+        self._sleep()
 
     async def _drive(self) -> None:
         if self.settings.grows_s is None:
             return
         now = self.clock.now()
-        before, self._beat = self._beat, now
-        if self._driven is not None and not self._is_there(self._driven):
-            self._driven, self._urge = None, 0.0
+        last, self._beat = self._beat, now
+        if self._stated is not None and not self._is_there(self._stated):
+            self._stated, self._urge = None, 0.0
             self.sate()
-        elif before is not None and self.grows():
-            self.persistent[_KEPT] = grown(self.level, now - before, self.settings)
-        wanted, self._urge = self._urge, urge(self.level, self._urge, self.settings)
+        elif last is not None and self.grows():
+            self.persistent[_KEPT] = grown(self.level, now - last, self.settings)
+        before, self._urge = self._urge, urge(self.level, self._urge, self.settings)
         if self._urge == 0.0:
-            await Drive.stop(self)
-        elif self._driven is None:
-            source = Source("motivation", self.name)
-            params = self.drive_parameters()
-            added = self._workspace.add(
+            self._sleep()
+        elif self._stated is None:
+            source, params = Source("motivation", self.name), self.drive_parameters()
+            self._stated = self._workspace.add(
                 self.drive_class, intensity=self._urge, utility=1.0, source=source, params=params
-            )
-            self._driven = added.id
-        elif wanted != self._urge:
-            self._workspace.change(self._driven, intensity=self._urge)
+            ).id
+        elif before != self._urge:
+            self._workspace.change(self._stated, intensity=self._urge)
+
+    def retract(self, desire_id: str | None) -> None:
+        """Withdraw a desire that may have left already; None: there is none."""
+        if desire_id is not None and self._is_there(desire_id):
+            self._workspace.remove(desire_id)
+
+    def _sleep(self) -> None:
+        stated, self._stated = self._stated, None
+        self.retract(stated)
 
     def _is_there(self, desire_id: str) -> bool:
         try:

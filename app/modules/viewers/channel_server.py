@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Awaitable, Callable, Iterator, Mapping
 from typing import Any
 
@@ -20,7 +21,7 @@ from app.runtime.ports import Input
 INBOX = 64
 
 
-class ChannelServer(Module):
+class ChannelServer(Module, ABC):
     """A module that encodes the program's channels as a recording does, for those who show their topics."""
 
     def __init__(self, context: ModuleContext) -> None:
@@ -73,9 +74,9 @@ class ChannelServer(Module):
     def note(self, message: Any) -> None:
         """A message came, shown or not."""
 
+    @abstractmethod
     async def show(self, name: str, message: Any) -> None:
         """Give ``message`` of the channel ``name`` to those who show it."""
-        raise NotImplementedError
 
     def _taker(self, port: Input[Any]) -> Callable[[Any], Awaitable[None]]:
         async def take(message: Any) -> None:

@@ -54,7 +54,7 @@ def robot(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Stretch]:
 
 async def test_it_drives_and_turns_its_head_and_is_stopped(robot: Stretch) -> None:
     robot.fault("goals keep")
-    begun = len(robot.goals())
+    before = len(robot.goals())
     async with Ros2Driver(mapping(MAPPING)) as driver:
         joints = Joints(driver)
         await driver.set_out()
@@ -67,7 +67,7 @@ async def test_it_drives_and_turns_its_head_and_is_stopped(robot: Stretch) -> No
         # The head follows while the base drives: each goal replaces the one before, and none comes too soon.
         await joints.send("head", "joint_head_pan", -0.8)
         await joints.send("head", "joint_head_tilt", -0.4)
-        noted = [what for _, what in robot.goals()[begun:]]
+        noted = [what for _, what in robot.goals()[before:]]
         assert {"accepted", "replaced"} <= set(noted)
         assert "rejected" not in noted
         # An emergency stop stops both: the goal is cancelled, and the head stays where it is.

@@ -48,13 +48,16 @@ describe("stopping", () => {
     expect(said).toEqual([]);
   });
 
-  test("ends exploring first, and where there is no goal just now, too", async () => {
+  test("ends exploring, and where there is no goal just now, too", async () => {
     const exploring = { ...goal("e", "operator"), class: "Explore", params: {} };
     const { map, said, sent } = page([goal("b", "motivation"), exploring]);
     expect(map.stop()).toBe(true);
     await sent();
-    expect(said).toEqual(["remove e", "cancel", "remove b"]);
-    expect(page([exploring]).map.stop()).toBe(true);
+    expect(said).toEqual(["cancel", "remove b"]);
+    const alone = page([exploring]);
+    expect(alone.map.stop()).toBe(true);
+    await alone.sent();
+    expect(alone.said).toEqual(["cancel"]);
   });
 
   test("comes after a goal that is only on its way to the robot", async () => {

@@ -197,18 +197,16 @@ export class MapControl {
     const sending = this.pending.peek() === "goal";
     const desires = this.store.of("desires").peek()?.desires;
     const trips = tripsOf(desires);
-    const explorations = explorationsOf(desires);
-    const any = trips.length > 0 || explorations.length > 0 || sending;
-    if (any) void this.endAll(trips, explorations);
+    const any = trips.length > 0 || explorationsOf(desires).length > 0 || sending;
+    if (any) void this.endAll(trips);
     return any;
   }
 
-  private async endAll(trips: readonly Desire[], explorations: readonly Desire[]): Promise<void> {
+  private async endAll(trips: readonly Desire[]): Promise<void> {
     await this.sending; // or the goal would come after its end
     const { rest } = this.session;
     const ended = await this.ask("cancel", async () => {
-      for (const exploration of explorations) await rest.removeDesire(exploration.id);
-      await rest.cancelGoal();
+      await rest.cancelGoal(); // and exploring
       for (const trip of trips) if (!isAsked(trip)) await rest.removeDesire(trip.id);
     });
     if (ended) this.store.notify("info", t("The goal is cancelled."));

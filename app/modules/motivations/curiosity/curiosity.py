@@ -5,15 +5,17 @@
     │                              attention's                                                 │
     │            in  map           OccupancyGrid, when it changes                              │
     │            in  zones         Zones: keep-out zones are not explored; may be absent       │
-    │            in  base          Exploitation of the base, for its drive; may be absent      │
+    │            in  base          Exploitation of the base: without it, no frontier before    │
+    │                              which the robot stands is refused; may be absent            │
     │            serves desires of class Explore by desires of class GoTo                      │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
 Of the frontiers of the map (``frontiers.py``) it desires the one that costs least, as intensely as exploring itself is
 desired: a goal of people that is desired more has its way. Most frontiers are seen before they are reached; the next is
 desired at once. One that could not be reached comes last, and is tried once more. A desire Explore is done when none is
-left for a while: a map that still grows has others soon. Where people withdraw the goal, as by stopping all driving,
-exploring ends with it. A robot that can turn its head looks where it goes meanwhile (LookWhereGoing).
+left for a while: a map that still grows has others soon. Where people withdraw the goal, exploring ends with it; what
+stops all driving withdraws the desire itself (``app/console/drive/goals.py``). A robot that can turn its head looks
+where it goes meanwhile (LookWhereGoing).
 
 With ``grows_s`` it is a drive (``drive.py``), too: the longer no behavior has moved the robot, the more it desires to
 explore.
@@ -87,6 +89,9 @@ class CuriositySettings(DriveSettings):
     patience_s: float = Field(
         30.0, gt=0, description="a frontier before which the robot has not moved for so long cannot be reached"
     )
+    goes_by: tuple[str, ...] = Field(
+        ("PlanAndFollowPath", "GoToward"), description="the behaviors that go to places, as `base` names them"
+    )
     spare_m: float = Field(0.05, ge=0, le=0.5, description="room around the body where it is sent")
 
 
@@ -115,7 +120,8 @@ class Curiosity(Drive):
         self._zones: tuple[Zone, ...] = ()
         self._X_MB: Pose2 | None = None
         self._run: _Exploration | None = None
-        self._idle = False
+        #: Which has the base; "" while that is not known.
+        self._behavior: str | None = ""
 
     async def start(self) -> None:
         await super().start()
@@ -128,7 +134,7 @@ class Curiosity(Drive):
 
     def grows(self) -> bool:
         """While no behavior moves the base: what it knows grows old then."""
-        return self._idle
+        return self._behavior is None
 
     async def _take_map(self, grid: OccupancyGrid) -> None:
         self._grid = grid
@@ -140,11 +146,11 @@ class Curiosity(Drive):
         self._zones = zones.zones
 
     async def _take_base(self, exploitation: Exploitation) -> None:
-        self._idle = exploitation.behavior is None
+        self._behavior = exploitation.behavior
 
     async def _explore(self) -> None:
-        desire = self._workspace.wanted(EXPLORE.name)
-        if desire is None or not self.localization.subscription.filter.is_open:
+        desire = self._wanted()
+        if desire is None:
             self._end()
             return
         grid, X_MB = self._grid, self._X_MB
@@ -154,40 +160,40 @@ class Curiosity(Drive):
         if run is None or run.desire_id != desire.id:
             self._end()
             run = self._run = _Exploration(desire.id, X_MB, self.clock.now())
-        if not self._look_at_goal(run):
+        found = await self.compute(frontiers, grid, self._zones, X_MB, self._radius_m, self.settings.least_m)
+        # Meanwhile people may have stopped the robot.
+        desire = self._wanted()
+        if desire is None or desire.id != run.desire_id or not self._look_at_goal(run):
+            self._end()
             return
         self._lose_patience(run, X_MB)
         given = ExploreParameters.model_validate(desire.params)
-        found = await self.compute(frontiers, grid, self._zones, X_MB, self._radius_m, self.settings.least_m)
-        if self._run is not run:
-            return  # it was ended meanwhile
         within = [each for each in found if given.within_m is None or _apart(each.stand, run.began) <= given.within_m]
         self._go_on(run, desire, given, choose(within, X_MB, run.frontier, run.refused, self.settings.tries))
 
-    def _go_on(self, run: _Exploration, desire: Desire, given: ExploreParameters, goal: Frontier | None) -> None:
+    def _wanted(self) -> Desire | None:
+        """The desire to explore that attention has room for."""
+        return self._workspace.wanted(EXPLORE.name) if self.localization.subscription.filter.is_open else None
+
+    def _go_on(self, run: _Exploration, desire: Desire, given: ExploreParameters, frontier: Frontier | None) -> None:
         now = self.clock.now()
-        if goal is None:
+        if frontier is None:
             self._withdraw(run)
             if now - run.frontier_seen >= self.settings.settled_s:
                 self._done(run)
             return
         run.frontier_seen = now
-        stand = goal.stand
-        if run.goal is not None and run.frontier is not None and _same_stand(stand, run.frontier.stand):
-            if self._workspace.get(run.goal).intensity < desire.intensity:
-                self._workspace.change(run.goal, intensity=desire.intensity)
-            return
-        params: dict[str, Any] = {
-            "x": round(stand.x, 3), "y": round(stand.y, 3), "heading": round(stand.theta, 3),
-            "speed": given.speed, "name": "unknown ground", **_TOLERANCE,
-        }  # fmt: skip
-        run.frontier = goal
-        if run.goal is not None:
-            self._workspace.change(run.goal, params=params)
-        else:
+        another = run.frontier is None or not _same_stand(frontier.stand, run.frontier.stand)
+        params = _way_to(frontier.stand, given.speed)
+        if run.goal is None:
             run.goal = self._add(GO_TO, desire.intensity, params)
             if run.look is None and LOOK in self._workspace.classes:
                 run.look = self._add(LOOK, desire.intensity)
+        elif another or run.intensity != desire.intensity:
+            self._workspace.change(run.goal, intensity=desire.intensity, params=params)
+        else:
+            return
+        run.frontier, run.intensity = frontier, desire.intensity
 
     def _add(self, cls: str, intensity: float, params: Mapping[str, Any] | None = None) -> str:
         source = Source("motivation", self.name)
@@ -196,7 +202,7 @@ class Curiosity(Drive):
     def _look_at_goal(self, run: _Exploration) -> bool:
         """Take what has become of the desire for a frontier; whether exploring goes on.
 
-        Where people withdrew it they want the robot to stay: exploring ends with it.
+        Where people withdrew it they want the robot to stay: the desire to explore is withdrawn with it.
         """
         if run.goal is None or run.frontier is None:
             return True
@@ -207,7 +213,6 @@ class Curiosity(Drive):
         if report is not None and report.ended is None:
             return True
         if report is None or report.outcome not in ("done", "failed"):
-            self._end()
             self._workspace.remove(run.desire_id)
             return False
         # Seen from there, a frontier is none any more: one that stays cannot be seen, and is as one not reached.
@@ -216,9 +221,14 @@ class Curiosity(Drive):
         return True
 
     def _lose_patience(self, run: _Exploration, X_MB: Pose2) -> None:
-        """Refuse the frontier before which the robot does not move on, sooner than people would be asked for help."""
-        now = self.clock.now()
-        if run.frontier is None or self._idle or not _same_stand(X_MB, run.at):
+        """Refuse the frontier before which the robot does not move on, sooner than people would be asked for help.
+
+        It is no fault of the frontier while another behavior has the base, as at the dock, or another goal is desired
+        more.
+        """
+        now, goal = self.clock.now(), self._workspace.strongest().get(GO_TO)
+        ours = goal is not None and goal.id == run.goal and self._behavior in self.settings.goes_by
+        if run.frontier is None or not ours or not _same_stand(X_MB, run.at):
             run.at, run.moved = X_MB, now
         elif now - run.moved > self.settings.patience_s:
             run.refused, run.moved = refuse(run.refused, run.frontier), now
@@ -238,19 +248,11 @@ class Curiosity(Drive):
         run, self._run = self._run, None
         if run is not None:
             self._withdraw(run)
-            self._remove(run.look)
+            self.retract(run.look)
 
     def _withdraw(self, run: _Exploration) -> None:
         goal, run.goal, run.frontier = run.goal, None, None
-        self._remove(goal)
-
-    def _remove(self, desire_id: str | None) -> None:
-        if desire_id is None:
-            return
-        try:
-            self._workspace.remove(desire_id)
-        except UnknownDesire:
-            self.log.debug("desire %s has left already", desire_id)
+        self.retract(goal)
 
 
 class _Exploration:
@@ -267,9 +269,17 @@ class _Exploration:
         #: What is gone to, and the id of the desire for it.
         self.frontier: Frontier | None = None
         self.goal: str | None = None
+        #: How intensely it is desired.
+        self.intensity = 0.0
         #: The id of the desire to look ahead.
         self.look: str | None = None
         self.refused: tuple[Refused, ...] = ()
+
+
+def _way_to(stand: Pose2, speed: float) -> dict[str, Any]:
+    """Parameters of a desire to go there."""
+    at = {"x": round(stand.x, 3), "y": round(stand.y, 3), "heading": round(stand.theta, 3)}
+    return {**at, "speed": speed, "name": "unknown ground", **_TOLERANCE}
 
 
 def _apart(a: Pose2, b: Pose2) -> float:

@@ -77,7 +77,7 @@ def frontiers(
         return ()
     ways = wavefront(passable, start)
     reached = np.isfinite(ways)
-    # Between two shapes that the body does not fit between, it will never see: half its radius is the least gap.
+    # A border in a gap narrower than the body's radius belongs to what stands there, not to a room beyond.
     border = free & _beside(unknown) & (clearance > 0.5 * radius_m)
     beyond = unknown & _beside(border)
     away, nearest = ndimage.distance_transform_edt(~reached, return_indices=True)

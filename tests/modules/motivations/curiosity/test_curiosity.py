@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -87,6 +88,10 @@ def test_it_goes_to_where_the_map_ends_further_as_it_grows_until_nothing_is_left
             more = await robot.sees(6.0)
             assert more is not None
             assert more.intensity == 7
+            robot.workspace.change(wanted.id, intensity=2)
+            less = await robot.sees(6.0)
+            assert less is not None
+            assert less.intensity == 2
             assert await robot.sees(10.0) is None
             assert robot.workspace.wanted("Explore") is not None, "it waits: the map may still grow"
             await robot.bench.clock.sleep(6.0)
@@ -120,6 +125,8 @@ def test_a_frontier_before_which_it_stands_for_long_is_refused() -> None:
         robot = Robot(patience_s=5)
         async with robot.bench:
             wanted = robot.explore()
+            still = Twist(0.0, 0.0, 0.0)
+            robot.bench.feed("base", Exploitation(robot.bench.clock.now(), "PlanAndFollowPath", still))
             for _ in range(2):
                 goal = await robot.sees(3.0)
                 assert goal is not None
@@ -164,6 +171,55 @@ def test_its_goal_goes_with_the_desire_with_attention_and_with_the_module() -> N
             localization.subscription.filter.divisor = 1
             assert await robot.sees(3.0) is not None
         assert robot.workspace.wanted("GoTo") is None
+
+    run_virtual(main())
+
+
+def test_what_ends_while_it_searches_is_not_begun_again() -> None:
+    async def main() -> None:
+        robot = Robot()
+        async with robot.bench:
+            for end in ("Explore", "GoTo"):
+                robot.explore()
+                first = await robot.sees(3.0)
+                assert first is not None
+                module, ended = robot.bench.slot.module, end
+
+                async def compute(
+                    function: Callable[..., Any], *args: Any, module: Any = module, ended: str = ended
+                ) -> Any:
+                    del module.compute
+                    desire = robot.workspace.wanted(ended)
+                    assert desire is not None
+                    robot.workspace.remove(desire.id)
+                    return function(*args)
+
+                setattr(module, "compute", compute)  # noqa: B010  # people do that meanwhile
+                assert await robot.sees(6.0) is None
+                assert robot.bench.slot.module is module, "it did not fail"
+                assert robot.workspace.desires() == (), end
+
+    run_virtual(main())
+
+
+def test_while_another_behavior_drives_or_another_goal_is_stronger_it_does_not_lose_patience() -> None:
+    async def main() -> None:
+        robot = Robot(patience_s=5)
+        async with robot.bench:
+            robot.explore()
+            goal = await robot.sees(3.0)
+            assert goal is not None
+            still = Twist(0.0, 0.0, 0.0)
+            robot.bench.feed("base", Exploitation(robot.bench.clock.now(), "Docking", still))
+            await robot.bench.clock.sleep(20.0)
+            assert robot.workspace.report(goal.id).ended is None, "it charges"
+            robot.bench.feed("base", Exploitation(robot.bench.clock.now(), "PlanAndFollowPath", still))
+            theirs = robot.workspace.add("GoTo", intensity=8, utility=1, source=PERSON, params={"x": 0, "y": 0})
+            await robot.bench.clock.sleep(20.0)
+            assert robot.workspace.report(goal.id).ended is None, "it waits where people sent it"
+            robot.workspace.remove(theirs.id)
+            await robot.bench.clock.sleep(7.0)
+            assert robot.workspace.report(goal.id).ended is not None
 
     run_virtual(main())
 
