@@ -145,9 +145,9 @@ class Operations(ABC):
     def cancel_goal(self) -> None:
         """Cancel the goal.
 
-        Withdraws every desire of class GoTo that came over the console, and every one to dock, also the robot's
-        own; a goal that the robot gave up is no longer reported. A guided tour on its way is paused. May be
-        repeated.
+        Withdraws every desire of class GoTo that came over the console, and every one to dock or to explore, also
+        the robot's own; a goal that the robot gave up is no longer reported. A guided tour on its way is paused.
+        May be repeated.
 
         Role: operator.
         """
@@ -1344,9 +1344,9 @@ class AsyncOperations(ABC):
     async def cancel_goal(self) -> None:
         """Cancel the goal.
 
-        Withdraws every desire of class GoTo that came over the console, and every one to dock, also the robot's
-        own; a goal that the robot gave up is no longer reported. A guided tour on its way is paused. May be
-        repeated.
+        Withdraws every desire of class GoTo that came over the console, and every one to dock or to explore, also
+        the robot's own; a goal that the robot gave up is no longer reported. A guided tour on its way is paused.
+        May be repeated.
 
         Role: operator.
         """

@@ -116,9 +116,9 @@ export abstract class Operations {
   }
 
   /**
-   * Cancel the goal. Withdraws every desire of class GoTo that came over the console, and every one to dock, also the
-   * robot's own; a goal that the robot gave up is no longer reported. A guided tour on its way is paused. May be
-   * repeated. Role: operator.
+   * Cancel the goal. Withdraws every desire of class GoTo that came over the console, and every one to dock or to
+   * explore, also the robot's own; a goal that the robot gave up is no longer reported. A guided tour on its way is
+   * paused. May be repeated. Role: operator.
    */
   cancelGoal(): Promise<void> {
     return this.ask<void>({ method: "DELETE", path: `/goal`, answer: "nothing" });
