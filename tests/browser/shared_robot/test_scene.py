@@ -9,7 +9,7 @@ from collections.abc import Callable
 
 from playwright.sync_api import Frame, Page, expect
 
-from tests.browser.held_keys import hold, wait_driving
+from tests.browser.held_keys import hold, hold_by, press_until
 from tests.browser.running import Robot
 
 SHOWN = "[data-testid=scene][data-state=shown]"
@@ -35,6 +35,13 @@ def processes_apart(page: Page) -> int:
     return [target["type"] for target in targets].count("iframe")
 
 
+def click_on_floor(page: Page) -> None:
+    """Click beside the driving panel, below the horizon, as seen from behind the robot."""
+    box = page.locator("[data-testid=scene] iframe").bounding_box()
+    assert box is not None
+    page.mouse.click(box["x"] + 0.82 * box["width"], box["y"] + 0.42 * box["height"])
+
+
 def wait_idle(page: Page) -> None:
     """Until the guard says that nothing drives."""
     page.locator("[data-testid=guard-state][data-state=idle]").wait_for()
@@ -42,8 +49,7 @@ def wait_idle(page: Page) -> None:
 
 def hold_in(frame: Frame, page: Page) -> None:
     """Hold the key that turns to the left in the frame until the robot drives."""
-    frame.evaluate(STRIKE, ["keydown", "KeyA"])
-    wait_driving(page)
+    hold_by(page, lambda way: frame.evaluate(STRIKE, [f"key{way}", "KeyA"]), "KeyA in the frame")
 
 
 def test_the_view_has_its_own_process_and_its_keys_drive_until_they_are_let_go_of_or_it_hangs(
@@ -54,10 +60,12 @@ def test_the_view_has_its_own_process_and_its_keys_drive_until_they_are_let_go_o
     assert frame.url.startswith(robot.get("/scene")["url"])
     assert processes_apart(page) == 1
 
-    page.frame_locator("[data-testid=scene] iframe").locator("canvas").first.click()
+    picked = page.get_by_test_id("scene-picked")
+    press_until(lambda: click_on_floor(page), picked, again_ms=5_000)
     page.locator("[data-testid=scene] iframe").focus()
     expect(page.locator("[data-testid=stick]")).to_be_focused()  # the keyboard is back at once
     hold(page, "KeyA")
+    expect(picked).to_have_count(0)  # its place in the view is another now
     page.keyboard.up("KeyA")
     wait_idle(page)
 

@@ -66,7 +66,10 @@ export function SceneView() {
   }, []);
   useSignalEffect(() => void (store.sceneShown.value = scene.state.value === "shown"));
   useSignalEffect(() => scene.takeKeys(keysOfPage(store)));
-  useSignalEffect(() => scene.drives(drive.holding.value));
+  useSignalEffect(() => {
+    scene.drives(drive.holding.value);
+    if (drive.holding.value) picking.close(); // the robot moves, and the view with it: its pin would lie elsewhere
+  });
   useSignalEffect(() => void (store.softLimit.value = follow.softLimit.value));
   useSignalEffect(() => scene.limits(follow.softLimit.value?.angle ?? null));
   useEffect(() => {
