@@ -12,6 +12,7 @@ import signal
 import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from pathlib import Path
 
 if sys.version_info < (3, 11):
@@ -47,7 +48,7 @@ JUNK = [
 def main() -> int:
     """Do what the Makefile's target asks for."""
     parser = argparse.ArgumentParser(prog="scripts/dev.py", description=__doc__)
-    tasks = ["setup", "run", "test", "test-others", "check-sources", "lint", "lint-page", "lock", "docs", "types"]
+    tasks = ["setup", "run", "test", "test-hurried", "check-sources", "lint", "lint-page", "lock", "docs", "types"]
     parser.add_argument("task", choices=[*tasks, "soak", "bench", "references", "clean"])
     parser.add_argument("arguments", nargs=argparse.REMAINDER, help="handed on to hbba run, pytest or the benchmarks")
     args = parser.parse_args()
@@ -88,8 +89,8 @@ def main() -> int:
             return run([environment.PYTHON, "-m", "benchmarks", *args.arguments])
         if args.task == "check-sources":
             return check_sources()
-        if args.task == "test-others":
-            return test_others()
+        if args.task == "test-hurried":
+            return test_hurried()
         return test(args.arguments)
     except environment.SetupFailed as failure:
         sys.stderr.write(f"\n{failure}\n")
@@ -188,35 +189,49 @@ def test(arguments: list[str]) -> int:
     """Set up, lint, the page's own tests, and pytest."""
     began, parts = time.monotonic(), Parts()
     set_up({"test", "docs"}, debian=True, parts=parts)
-    ros = None if arguments else set_up_ros(parts)
     say(f"set-up took {time.monotonic() - began:.0f} s: {parts}")
     os.environ.update(dict.fromkeys(suite.SINGLE, "1"))
     if arguments:
         return run([environment.PYTHON, "-m", "pytest", *arguments])
     os.environ.setdefault(suite.EXAMPLES, suite.SHARE)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(143))  # so that nothing of ours goes on without us
-    with (
-        alongside.alongside([*suite.GIVING_WAY, environment.PYTHON, __file__, "check-sources"]) as sources,
-        alongside.alongside([environment.PYTHON, __file__, "test-others"]) as others,
-    ):
-        say("running tests that run against the clock; beside them lint, the page's tests and all others")
-        parts = Parts()
-        hurried = test_against_the_clock(ros, parts)
-        say("lint and the page's tests:")
-        checked = sources.show()
-        say("the others, while they go on:" if others.running() else "the others:")
-        tested = others.show()
-        parts.note("lint and the page's tests", sources.took_s())
-        parts.note("all other tests", others.took_s())
+    workers = min(os.cpu_count() or 1, 4)
+    parts, statuses = Parts(), dict[str, int]()
+    with ExitStack() as ends:
+        beside = {
+            what: ends.enter_context(alongside.alongside(command))
+            for what, command in {
+                "lint and the page's tests": [*suite.GIVING_WAY, environment.PYTHON, __file__, "check-sources"],
+                "other tests against the clock": [environment.PYTHON, __file__, "test-hurried"],
+                "patient tests": suite.patient(environment.PYTHON, workers),
+            }.items()
+        }
+        say(f"running the browser's tests; beside them {', '.join(beside)}")
+        with parts.timed("the browser's tests"):
+            statuses["the browser's tests"] = run(suite.browser(environment.PYTHON))
+        for what, command in beside.items():
+            say(f"{what}{', while they go on' if command.running() else ''}:")
+            statuses[what] = command.show()
+            parts.note(what, command.took_s())
     say(f"side by side: {parts}")
-    for what, status in (
-        ("lint or the page's tests", checked),
-        ("tests against the clock", hurried),
-    ):
+    for what, status in statuses.items():
         if status:
             say(f"{what}: failed, see above")
     say(f"everything took {time.monotonic() - began:.0f} s, of {os.cpu_count()} processors {processor_s():.0f} s")
-    return hurried or tested or checked
+    return next((status for status in statuses.values() if status), 0)
+
+
+def test_hurried() -> int:
+    """The tests against the clock that need no browser, then those of robots over ROS 2, where its wheels are."""
+    parts = Parts()
+    with parts.timed("tests against the clock"):
+        status = run(suite.hurried(environment.PYTHON))
+    driven, ros = 0, set_up_ros(parts)
+    if ros is not None:
+        with parts.timed("robots over ROS 2"):
+            driven = run([ros, "-m", "pytest", "-p", "no:cacheprovider", *ros_environment.TESTS])
+    say(f"took: {parts}")
+    return status or driven
 
 
 def set_up_ros(parts: Parts) -> Path | None:
@@ -226,31 +241,6 @@ def set_up_ros(parts: Parts) -> Path | None:
             return ros_environment.python_with_ros(environment.PYTHON, environment.ROOT, environment.VENV / "ros2")
     except installing.PipFailed as failure:
         raise environment.SetupFailed(str(failure)) from None
-
-
-def test_against_the_clock(ros: Path | None, parts: Parts) -> int:
-    """The hurried tests, then those that need ROS 2, timed in ``parts``.
-
-    ``ros``: the interpreter that has ROS 2; None: the wheels are not for this computer.
-    """
-    with parts.timed("tests against the clock"):
-        status = run(suite.hurried(environment.PYTHON))
-    driven = 0
-    if ros is not None:
-        with parts.timed("robots over ROS 2"):
-            driven = run([ros, "-m", "pytest", "-p", "no:cacheprovider", *ros_environment.TESTS])
-    return status or driven
-
-
-def test_others() -> int:
-    """All patient tests, then the rest of those against the clock."""
-    parts = Parts()
-    with parts.timed("patient tests"):
-        status = run(suite.patient(environment.PYTHON, min(os.cpu_count() or 1, 4)))
-    with parts.timed("the rest against the clock"):
-        rest = run(suite.afterwards(environment.PYTHON))
-    say(f"the others took: {parts}")
-    return status or rest
 
 
 def check_sources() -> int:

@@ -1,4 +1,4 @@
-"""Which tests run when: three commands, so that two cores are busy from beginning to end. Standard library only."""
+"""Which tests run when: three commands side by side, so that two cores are busy throughout. Standard library only."""
 
 from __future__ import annotations
 
@@ -15,52 +15,48 @@ SINGLE = ("OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
 #: try many. All of them, and more: HBBA_EXAMPLES=3 make test.
 EXAMPLES, SHARE = "HBBA_EXAMPLES", "0.3"
 
-#: Tests against the clock, or of a browser: these go from the beginning, one after another.
+#: Tests of the page in a real browser: one after another from the beginning, as the longest. They share a robot.
+BROWSER = ("tests/browser",)
+
+#: Other tests against the clock. They wait for most of their time, and go beside those of the browser.
 HURRIED = (
-    "tests/browser",
     "tests/commands/test_body_options.py",
+    "tests/commands/test_run.py",
+    "tests/console/live/test_late_commands.py",
+    "tests/console/live/test_lost_body.py",
     "tests/console/test_playback.py",
     "tests/console/test_replays.py",
     "tests/console/test_without_driving.py",
     "tests/experiments/overload",
-    "tests/modules/recording",
     "tests/logs/replay/test_playback.py",
+    "tests/modules/recording",
+    "tests/program/test_system.py",
+    "tests/remote/test_nodes.py",
     "tests/robots/devices",
     "tests/robots/replayed",
+    "tests/robots/simulated/acoustics/test_link_sound.py",
+    "tests/robots/simulated/test_guard_for_real.py",
+    "tests/robots/simulated/test_link.py",
     "tests/runtime/test_clock.py",
     "tests/runtime/test_load.py",
     "tests/runtime/test_realtime.py",
     "tests/runtime/test_watchdog.py",
-    "tests/program/test_system.py",
 )
 
-#: Tests against the clock that go once all patient ones have ended, beside the last hurried ones and those of ROS 2
-#: alone. So many that both end at about the same time: what `make test` says that its parts took, says which files
-#: to move.
-AFTERWARDS = (
-    "tests/commands/test_run.py",
-    "tests/console/live/test_late_commands.py",
-    "tests/console/live/test_lost_body.py",
-    "tests/remote/test_nodes.py",
-    "tests/robots/simulated/acoustics/test_link_sound.py",
-    "tests/robots/simulated/test_guard_for_real.py",
-    "tests/robots/simulated/test_link.py",
-)
+
+def browser(python: Path) -> list[object]:
+    """The command for :data:`BROWSER`."""
+    return [python, "-m", "pytest", *BROWSER]
 
 
 def hurried(python: Path) -> list[object]:
     """The command for :data:`HURRIED`."""
-    return [python, "-m", "pytest", *HURRIED]
+    return [python, "-m", "pytest", "-p", "no:cacheprovider", *HURRIED]
 
 
 def patient(python: Path, workers: int) -> list[object]:
     """The command for all tests that leave the processor to others, in so many processes."""
     # Files go to processes in the order that tests/conftest.py puts them in.
     by_file = ["-n", workers, "--dist", "loadfile", "--no-loadscope-reorder", "-p", "no:cacheprovider"]
-    others = [f"--ignore={room}" for room in (*HURRIED, *AFTERWARDS)]
+    others = [f"--ignore={room}" for room in (*BROWSER, *HURRIED)]
     return [*GIVING_WAY, python, "-m", "pytest", *by_file, *others, "tests"]
-
-
-def afterwards(python: Path) -> list[object]:
-    """The command for :data:`AFTERWARDS`."""
-    return [python, "-m", "pytest", "-p", "no:cacheprovider", *AFTERWARDS]

@@ -1,4 +1,4 @@
-"""Every test file runs once: with the hurried ones, with the patient ones, or afterwards."""
+"""Every test file runs once: in the browser, with the hurried ones, or with the patient ones."""
 
 from __future__ import annotations
 
@@ -18,13 +18,14 @@ def asked(command: list[object]) -> list[str]:
     return [str(word) for word in command if str(word).startswith("tests")]
 
 
-def test_what_is_hurried_or_comes_afterwards_exists_and_is_left_out_of_the_patient_ones(suite: ModuleType) -> None:
+def test_what_is_against_the_clock_exists_and_is_left_out_of_the_patient_ones(suite: ModuleType) -> None:
     root = checkout_dir()
     assert root is not None
-    against_the_clock = [*asked(suite.hurried(PYTHON)), *asked(suite.afterwards(PYTHON))]
+    against_the_clock = [*asked(suite.browser(PYTHON)), *asked(suite.hurried(PYTHON))]
     assert [name for name in against_the_clock if not (root / name).exists()] == []
     patient = suite.patient(PYTHON, 2)
     assert asked(patient) == ["tests"]
+    assert patient[: len(suite.GIVING_WAY)] == list(suite.GIVING_WAY)
     ignored = [word.removeprefix("--ignore=") for word in map(str, patient) if word.startswith("--ignore=")]
     assert ignored == against_the_clock
     files = {path for name in against_the_clock for path in (root / name).rglob("test_*.py")}
@@ -34,39 +35,33 @@ def test_what_is_hurried_or_comes_afterwards_exists_and_is_left_out_of_the_patie
 
 
 @pytest.fixture
-def commands(dev: ModuleType, monkeypatch: pytest.MonkeyPatch, failing: str | None) -> list[list[str]]:
+def commands(monkeypatch: pytest.MonkeyPatch, failing: str | None) -> list[list[str]]:
     """What is run instead of tests; a command with the word ``failing`` fails."""
-    monkeypatch.setattr(dev.suite, "AFTERWARDS", ("tests/one.py",))
     ran: list[list[str]] = []
 
     def run(command: list[str], **_: object) -> SimpleNamespace:
         ran.append(command)
-        # The patient ones leave out the others by options.
         return SimpleNamespace(returncode=int(failing in command))
 
     monkeypatch.setattr(subprocess, "run", run)
     return ran
 
 
-@pytest.mark.parametrize(("failing", "status"), [(None, 0), ("-n", 1), ("tests/one.py", 1)])
-def test_a_failure_of_any_run_is_one_of_all(dev: ModuleType, commands: list[list[str]], status: int) -> None:
-    assert dev.test_others() == status
-    patient, afterwards = commands
-    assert patient[: len(dev.suite.GIVING_WAY)] == list(dev.suite.GIVING_WAY)
-    assert "nice" not in afterwards, "they are against the clock"
-
-
-@pytest.mark.parametrize(("failing", "status"), [(None, 0), ("tests/browser", 1), ("ros", 1)])
+@pytest.mark.parametrize(("failing", "status"), [(None, 0), ("tests/runtime/test_clock.py", 1), ("ros", 1)])
 def test_robots_over_ros_2_go_after_the_hurried_ones_where_their_wheels_are(
-    dev: ModuleType, commands: list[list[str]], status: int
+    dev: ModuleType, commands: list[list[str]], status: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    assert dev.test_against_the_clock(Path("ros"), dev.Parts()) == status
+    monkeypatch.setattr(dev.ros_environment, "python_with_ros", lambda *_: Path("ros"))
+    assert dev.test_hurried() == status
     hurried, driven = commands
-    assert "tests/browser" in hurried
+    assert "nice" not in hurried, "they are against the clock"
     assert driven[0] == "ros"
 
 
 @pytest.mark.parametrize("failing", [None])
-def test_without_their_wheels_robots_over_ros_2_are_left_out(dev: ModuleType, commands: list[list[str]]) -> None:
-    assert dev.test_against_the_clock(None, dev.Parts()) == 0
+def test_without_their_wheels_robots_over_ros_2_are_left_out(
+    dev: ModuleType, commands: list[list[str]], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(dev.ros_environment, "python_with_ros", lambda *_: None)
+    assert dev.test_hurried() == 0
     assert len(commands) == 1
