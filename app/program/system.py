@@ -329,6 +329,7 @@ class System:
         opens stays closed. Returns what people must know of that, and of the modules."""
         moving = self.graph.moving()
         self.graph.attend(self.table.filters | moving.keys())
+        served = {each.cls for each in self.table.strategies}
         opened = {name for each in self.table.strategies for name, phi in each.filters.items() if phi != CLOSED}
         cautions = []
         for name, slot in self.graph.modules.items():
@@ -342,7 +343,25 @@ class System:
             )
             where = self.config.where("modules", module, "outputs", port)
             cautions.append(Caution(f"{self.graph.modules[module].title} stays closed", text, where))
+        # Of a replay or a trial, modules and their strategies are left out on purpose.
+        for cls in () if self._partial else sorted(set(self.classes) - served):
+            cautions.append(self._unserved(cls))
         return tuple(cautions)
+
+    def _unserved(self, cls: str) -> Caution:
+        """Why a desire of ``cls`` does nothing in this program."""
+        modules = [
+            name
+            for name, slot in self.graph.modules.items()
+            if cls in [getattr(declared, "name", "") for declared in slot.module.desire_classes]
+        ]
+        declared = f"{' and '.join(modules)} declare{'s' * (len(modules) == 1)}"
+        text = (
+            f"no strategy serves {cls}, which {declared}: a desire of it does nothing; add one to a file under "
+            "`strategies` of the program, and the module whose filters it opens"
+        )
+        where = self.config.where("modules", modules[0]) if modules else ""
+        return Caution(f"{self.classes[cls].title} is served by nothing", text, where)
 
     def _load_table(self) -> StrategyTable:
         table = load_strategies(
