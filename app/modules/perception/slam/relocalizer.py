@@ -74,12 +74,12 @@ class Relocalizer:
 
     @property
     def due(self) -> bool:
-        """Whether a search is requested and has not begun."""
+        """Whether a search is requested and does not go on yet."""
         return self._requested and self._search is None
 
     @property
     def running(self) -> bool:
-        """Whether a search has begun."""
+        """Whether a search goes on."""
         return self._search is not None
 
     @property

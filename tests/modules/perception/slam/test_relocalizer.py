@@ -22,7 +22,7 @@ OTHER = scan(HALL, Pose2(2.0, 3.0), 1.1)
 
 @dataclass(eq=False)
 class Search:
-    """Stands for a search; each is another."""
+    """In the place of a search; each is another."""
 
 
 def search() -> PoseSearch:
