@@ -15,7 +15,7 @@ _LONGEST_STEP = float(np.radians(4.0))
 _AROUND = np.array([-1, 0, 1])[:, None, None]
 
 
-def lag_transform(frequencies: NDArray[np.float64], lags_s: NDArray[np.float64]) -> NDArray[np.float32]:
+def lag_transform(frequencies: NDArray[np.floating], lags_s: NDArray[np.floating]) -> NDArray[np.float32]:
     """The matrix (2 B, W) that makes the real and imaginary parts (2 B,) of a cross spectrum at ``frequencies`` (B,) Hz
     a correlation at ``lags_s`` (W,), as one product of reals; phases that agree at a lag add up to 1."""
     turns = np.exp(2j * np.pi * frequencies[:, None] * lags_s)

@@ -13,7 +13,7 @@ from app.robots.stream_config import MicrophonesConfig
 
 RATE = 48_000
 ARRAY = MicrophoneArray(np.array(MicrophonesConfig().positions))
-FREQUENCIES = np.fft.rfftfreq(1024, 1 / RATE)[5:150]
+FREQUENCIES = np.asarray(np.fft.rfftfreq(1024, 1 / RATE)[5:150], np.float64)
 RANGE_M = 1.8
 
 
