@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { t } from "../i18n";
-import { inWords } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
 import { useApp } from "../state/context";
 import { reasonText } from "../ui/format";
 import { CameraIcon, CloseIcon, EnlargeIcon, FlagIcon, ShrinkIcon } from "../ui/icons";
