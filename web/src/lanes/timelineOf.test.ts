@@ -54,7 +54,7 @@ test("repeats of one kind and subject are one mark, others between them or not",
 });
 
 test("of the guard, the mark says the state that it is in", () => {
-  expect(folded([event("guard", "driving", 1)], 5).map(foldedWords)).toEqual(["guard: driving"]);
+  expect(folded([event("guard", "stale_command", 1)], 5).map(foldedWords)).toEqual(["guard: stale command"]);
 });
 
 test("a class is idle from the end of its last spell on", () => {

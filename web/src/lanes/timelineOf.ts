@@ -97,5 +97,5 @@ export function folded(events: readonly RobotEvent[], apart: number): Folded[] {
 export function foldedWords({ kind, subject, count }: Folded): string {
   const both = kind === "guard" ? `guard: ${subject}` : `${subject} ${kind}`;
   const words = langOf(both) === undefined ? fromRobot(both) : `${named(subject)} ${named(kind)}`;
-  return `${words}${count > 1 ? ` ${count}×` : ""}`;
+  return `${words.replaceAll("_", " ")}${count > 1 ? ` ${count}×` : ""}`;
 }
