@@ -65,9 +65,11 @@ class ModuleMeter:
 
 def role_of(module_class: type[Module]) -> ModuleRole:
     """The layer of a module: as its class says, or the first of the packages it is in that is named as one."""
+    if module_class.role is not None:
+        return module_class.role
     roles: tuple[ModuleRole, ...] = get_args(ModuleRole)
     packages = module_class.__module__.split(".")
-    return module_class.role or next((role for package in packages for role in roles if package == role), "other")
+    return next((role for package in packages for role in roles if package == role), "other")
 
 
 def subscription_counters(statistics: SubscriptionStatistics) -> SubscriptionCounters:
