@@ -38,7 +38,7 @@ _LARGER, _LARGER_M = 2.0, 0.1
 AGREEING = 0.4
 #: Other orders are tried where microphones lie, on average, farther from their places than this share of the least
 #: distance between two, or arrival times contradict any positions by so much (m).
-_OFF, _OFF_M = 0.3, 0.004
+_OFF, _OFF_M = 0.1, 0.004
 #: Orders tried, and how much farther (factor, m) the places of another may be for the array to keep its own order.
 _ORDERS, _ALIKE, _ALIKE_M = 24, 1.3, 0.002
 
