@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
@@ -14,11 +14,14 @@ from numpy.typing import NDArray
 
 from app.base import paths
 from app.cli import main
-from app.commands.calibrate_microphones.listening import missing_sides, said, where
+from app.commands.calibrate_microphones.arrays import ConfiguredArray
+from app.commands.calibrate_microphones.listening import claps_in, missing_sides, said, where
+from app.commands.calibrate_microphones.sound_inputs import Sound
 from app.logs.log import Logged
 from app.logs.manifest import Manifest
 from app.messages import Audio, read_only
 from app.modules.perception.voices.array_calibration.structure import aligned
+from app.modules.perception.voices.microphone_array import MicrophoneArray
 from tests.logs.replay.logs import BEGIN, write_log
 from tests.modules.perception.voices.array_calibration.clap_sounds import RATE, around, recording
 from tests.modules.perception.voices.sounds import toward
@@ -158,6 +161,19 @@ def test_claps_at_the_sound_card_are_counted_and_said(tmp_path: Path, claps: Pat
 def positions_in_body(file: Path) -> NDArray[np.float64]:
     text = file.read_text("utf-8")
     return np.array(json.loads(text[text.index("[[") : text.index("]]") + 2]))
+
+
+def test_an_interrupt_ends_the_listening_with_what_was_heard(capsys: pytest.CaptureFixture[str]) -> None:
+    def blocks(claps: int) -> Iterator[tuple[NDArray[np.int16], int]]:
+        end = round((0.45 * claps + 0.25) * RATE)
+        yield from ((SOUND[begin : begin + 4800], 0) for begin in range(0, end, 4800))
+        raise KeyboardInterrupt
+
+    configured = ConfiguredArray(MicrophoneArray(CONFIGURED), "corners")
+    assert len(claps_in(Sound(RATE, blocks(3), configured, live=True), configured.array, 12)) == 3
+    assert "clap 3: from " in capsys.readouterr().err
+    with pytest.raises(KeyboardInterrupt):
+        claps_in(Sound(RATE, blocks(0), configured, live=True), configured.array, 12)
 
 
 def test_mistakes_are_one_sentence(tmp_path: Path, array: Path, claps: Path, run: Said) -> None:

@@ -57,7 +57,8 @@ class Clap:
 
 
 class ClapDetector:
-    """Finds claps: sounds 15 dB over the background of most microphones that rise within milliseconds and do not last.
+    """Finds claps: sounds 15 dB over the background that rise within milliseconds and do not last, at a third of the
+    microphones and two at least: a body between them shades the others, and one alone may have a loose contact.
 
     Other sudden sounds pass, too; they do no harm, as they come from one place, and loud ones are as good as claps.
     ``microphones``: number of channels; ``rate`` in Hz.
@@ -107,7 +108,7 @@ class ClapDetector:
             now = self._powers[hops]
             early, late = _EARLIER
             past = np.mean([self._powers[hops - back] for back in range(late, early)], axis=0)
-            sudden = (np.median(now / background, axis=1) > _LOUD) & (np.median(now / past, axis=1) > _STEEP)
+            sudden = (_of_a_third(now / background) > _LOUD) & (_of_a_third(now / past) > _STEEP)
             for hop in hops[sudden].tolist():
                 if self._ends_soon(hop):
                     return int(hop)
@@ -115,9 +116,9 @@ class ClapDetector:
         return None
 
     def _ends_soon(self, hop: int) -> bool:
-        loudest = max((self._powers[begin : begin + 5].mean(axis=0) for begin in range(hop, hop + 6)), key=np.median)
+        loudest = np.max([self._powers[begin : begin + 5].mean(axis=0) for begin in range(hop, hop + 6)], axis=0)
         later = self._powers[hop + 100 : hop + 200].mean(axis=0)
-        return bool(np.median(loudest / later) > _SHORT)
+        return bool(_of_a_third((loudest / later)[None])[0] > _SHORT)
 
     def _clap(self, hop: int) -> Clap:
         first = (hop - BEFORE) * self._hop
@@ -131,3 +132,10 @@ class ClapDetector:
             self._before += spare * self._hop
             self._sound, self._powers = self._sound[spare * self._hop :], self._powers[spare:]
             self._next -= spare
+
+
+def _of_a_third(ratios: NDArray[np.float64]) -> NDArray[np.float64]:
+    """What a third of the microphones, and at least two, reach or exceed: (F,) of ``ratios`` (F, M)."""
+    count = ratios.shape[1]
+    at_least = min(count, max(2, round(count / 3)))
+    return np.asarray(np.sort(ratios, axis=1)[:, count - at_least])
