@@ -30,7 +30,7 @@ _RATE = 48_000
 @dataclass(frozen=True, slots=True, eq=False)
 class Sound:
     """Sound of several channels at ``rate`` (Hz): ``blocks`` are samples (N, C) int16, each with the number of samples
-    lost before it. ``array``: as configured. ``live``: whether somebody claps now."""
+    lost before it. ``array``: as configured. ``live``: whether it is heard now."""
 
     rate: int
     blocks: Iterator[tuple[NDArray[np.int16], int]]

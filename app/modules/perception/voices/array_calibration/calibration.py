@@ -36,6 +36,8 @@ LEAST_MICROPHONES = 3
 _LARGER, _LARGER_M = 2.0, 0.1
 #: Least agreement of a clear clap's direct sounds, of the median microphone.
 AGREEING = 0.4
+#: The median direction of a plane array is longer than this only if the configured size is too small.
+_TOO_SMALL = 1.02
 #: Other orders are tried where microphones lie, on average, farther from their places than this share of the least
 #: distance between two, or arrival times contradict any positions by so much (m).
 _OFF, _OFF_M = 0.1, 0.004
@@ -125,15 +127,24 @@ def _solve(times: NDArray[np.float64], configured: NDArray[np.float64], array: M
     before, after = [], []
     for fold in range(2):
         seen, unseen = times[fold::2], times[1 - fold :: 2]
-        found = refine(seen, prior, start=fit.positions)
+        found = refine(seen, _not_too_small(seen, prior), start=fit.positions)
         before.append(_typical(refine(unseen, geometry(configured, array.body_m), prior_m=0.0).residuals))
         after.append(_typical(refine(unseen, _at(prior, found.positions), prior_m=0.0).residuals))
     middle = configured.mean(axis=0)
     return _Solution(order, prior, middle, fit, before_m=float(np.mean(before)), after_m=float(np.mean(after)))
 
 
+def _not_too_small(times: NDArray[np.float64], prior: Geometry) -> Geometry:
+    """``prior``, of a plane array made larger if no direction would make differences of arrival times so large."""
+    longest = float(np.median(np.linalg.norm(directions(times, prior.positions), axis=1)))
+    if prior.dimensions != 2 or longest < _TOO_SMALL:
+        return prior
+    return _at(prior, prior.positions * longest)
+
+
 def _best_fit(times: NDArray[np.float64], prior: Geometry) -> Fit:
     """The fit from the prior positions or, where the sound alone shows a structure, from that: the better one."""
+    prior = _not_too_small(times, prior)
     fits = [refine(times, prior)]
     if prior.dimensions == 3 and (found := affine_structure(times)) is not None:
         fits.append(refine(times, prior, start=aligned(found, prior.positions, mirror=True)))
@@ -154,7 +165,7 @@ def _reordered(
     fits = {own: asis}
     for order in likely_orders(times, configured, _ORDERS):
         if order not in fits:
-            fits[order] = refine(times, geometry(configured[list(order)], body_m))
+            fits[order] = refine(times, _not_too_small(times, geometry(configured[list(order)], body_m)))
     moved = {order: _moved(fit, configured[list(order)]) for order, fit in fits.items()}
     alike = [order for order in fits if moved[order] <= _ALIKE * min(moved.values()) + _ALIKE_M]
     order = min(alike, key=lambda one: (sum(a != b for a, b in zip(one, own, strict=True)), fits[one].cost))

@@ -68,7 +68,8 @@ class Fit:
     claps; ``residuals`` (K, M) m; ``weights`` (K, M): how much of each was believed, from 0 to 1; ``deviations`` (M,)
     m: standard deviation of each position's part that does not move or turn the whole; ``undetermined``: how many of
     the numbers that give the array's shape come from the configuration rather than from the sound; ``unevenness``: of
-    a plane array, how much the claps' visible parts differ, RMS of at most 1; ``cost`` by which fits compare.
+    a plane array, how much the claps' visible parts differ, RMS of at most 1, and ``visible`` what they usually are (1:
+    in the plane; 1 for arrays in space); ``cost`` by which fits compare.
     """
 
     positions: NDArray[np.float64]
@@ -79,6 +80,7 @@ class Fit:
     deviations: NDArray[np.float64]
     undetermined: int
     unevenness: float
+    visible: float
     cost: float
 
 
@@ -272,6 +274,7 @@ class _Problem:
             deviations=deviations,
             undetermined=undetermined,
             unevenness=float(np.sqrt(np.mean((lengths - state[-2]) ** 2))) if self._flat else 0.0,
+            visible=float(state[-2]) if self._flat else 1.0,
             cost=self.cost(state, _SCALES_M[-1]),
         )
 

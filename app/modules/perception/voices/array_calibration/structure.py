@@ -7,7 +7,7 @@ a mirror image (S. Thrun, "Affine structure from sound", NIPS 18, 2005). It fail
 microphones lie in a plane or all directions on one cone (Y. Kuang and others, "Understanding TOA and TDOA network
 calibration using far field approximation as initial estimate", ICPRAM 2012).
 
-The same linear relation tells orders of channels apart: with the microphones' true places, some direction of length 1
+The same linear relation distinguishes orders of channels: with the microphones' true places, some direction of length 1
 explains each sound; with places that are interchanged, none does.
 """
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from app.modules.perception.voices.array_calibration.refinement import Fit, Geometry
@@ -18,6 +20,8 @@ _BETTER, _NO_CHANGE_M = 0.8, 0.0002
 _CONTRADICTING_M, _UNSURE_M, _UNSURE = 0.004, 0.003, 0.03
 #: Greatest RMS difference between the visible parts of claps around a plane array.
 _UNEVEN = 0.025
+#: Least visible part of claps at a plane array's height: within 20° of it.
+_VISIBLE = 0.93
 
 
 def judge(
@@ -62,6 +66,14 @@ def _doubts(fit: Fit, configured: Geometry, after_m: float) -> list[str]:
     if fit.unevenness > _UNEVEN:
         doubts.append(
             "the claps came from different heights: around a flat array, clap at one height, that of the array"
+        )
+    # Lower claps and a smaller array make the same differences.
+    visible = fit.visible * float(np.linalg.norm(fit.positions) / np.linalg.norm(configured.positions))
+    if fit.visible < _VISIBLE:
+        doubts.append(
+            f"the claps came from {math.degrees(math.acos(min(1.0, visible))):.0f}° above or below the flat array, or its "
+            f"configured size is too large: clap at its height; if you did, its microphones are {visible:.2f} times as far "
+            "apart as configured"
         )
     return doubts
 

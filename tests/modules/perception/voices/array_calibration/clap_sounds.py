@@ -39,7 +39,7 @@ def heard_at(
     tail: float = 0.02,
     rate: int = RATE,
 ) -> NDArray[np.float64]:
-    """The sound (N, M) of a clap at ``source`` (3,) m: 50 ms before and 250 ms after it leaves the hands."""
+    """The sound (N, M) of a clap at ``source`` (3,) m: 50 ms before and 250 ms after it is made."""
     rng = np.random.default_rng(seed)
     before, after = (round(hops * HOP_S * rate) for hops in (BEFORE, AFTER))
     times = np.arange(after) / rate

@@ -104,6 +104,17 @@ def test_a_flat_array() -> None:
     assert any("different heights" in reason for reason in result.reasons)
 
 
+@pytest.mark.parametrize(("factor", "verdict"), [(0.6, Verdict.ADOPT), (1.5, Verdict.REPEAT)])
+def test_the_size_of_a_flat_array(factor: float, verdict: Verdict) -> None:
+    level = [clap_of(heard_at(source, CROSS, number)) for number, source in enumerate(around(14, 8, level=True))]
+    result = calibrate(level, MicrophoneArray(factor * CROSS))
+    assert result.verdict is verdict
+    if verdict is Verdict.ADOPT:
+        assert error_m(result.positions, CROSS) < 0.001 < 0.01 < error_m(factor * CROSS, CROSS)
+    else:
+        assert "its microphones are 0.6" in result.reasons[-1]
+
+
 def test_claps_from_one_side_are_not_enough() -> None:
     sources = np.array([1.5, 0.2, 0.3]) + 0.06 * around(12, 9)
     result = calibrate(
