@@ -70,10 +70,10 @@ def _doubts(fit: Fit, configured: Geometry, after_m: float) -> list[str]:
     # Lower claps and a smaller array make the same differences.
     visible = fit.visible * float(np.linalg.norm(fit.positions) / np.linalg.norm(configured.positions))
     if fit.visible < _VISIBLE:
+        above_deg = math.degrees(math.acos(min(1.0, visible)))
         doubts.append(
-            f"the claps came from {math.degrees(math.acos(min(1.0, visible))):.0f}° above or below the flat array, or its "
-            f"configured size is too large: clap at its height; if you did, its microphones are {visible:.2f} times as far "
-            "apart as configured"
+            f"the claps came from {above_deg:.0f}° above or below the flat array, or its configured size is too large: "
+            f"clap at its height; if you did, its microphones are {visible:.2f} times as far apart as configured"
         )
     return doubts
 
