@@ -51,7 +51,7 @@ GAIN_DB = 2.0
 EVERY_S, FIRST_S = 1.2, 0.8
 TALK_S = 3.0
 #: Reflections are single ones for so long after the direct sound (s), and diffuse later.
-EARLY_S = 0.04
+EARLY_S = 0.02
 Positions = NDArray[np.float64]
 
 

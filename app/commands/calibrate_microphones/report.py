@@ -90,7 +90,20 @@ def _clap_rows(result: Calibration) -> list[str]:
 
 def _microphone_rows(result: Calibration) -> list[str]:
     rows: list[tuple[str, ...]] = [
-        ("channel", "x m", "y m", "z m", "moved mm", "± mm", "error µs", "= mm", "level dB", "noise dB", "place")
+        (
+            "channel",
+            "x m",
+            "y m",
+            "z m",
+            "moved mm",
+            "± mm",
+            "error µs",
+            "= mm",
+            "level dB",
+            "± dB",
+            "noise dB",
+            "place",
+        )
     ]
     for one in result.microphones:
         place = "" if result.order is None else f"configured as {result.order[one.channel]}"
@@ -103,11 +116,12 @@ def _microphone_rows(result: Calibration) -> list[str]:
                 _number(1e6 * one.residual_s),
                 _number(1e3 * SPEED_OF_SOUND * one.residual_s, 2),
                 _number(one.gain_db),
+                _number(one.gain_deviation_db),
                 _number(one.noise_db, 0),
                 place,
             )
         )
-    return aligned(rows, right=range(10))
+    return aligned(rows, right=range(11))
 
 
 def _remarks(result: Calibration) -> list[str]:

@@ -18,6 +18,8 @@ _NOISY_DB = 12.0
 _RELATED = 0.5
 #: Channels carry the same sound if arrival times differ by less (s) in most claps though microphones are apart (m).
 _SAME_S, _APART_M, _MOST = 1e-6, 0.01, 0.8
+#: Least power of a reverberation from which gains are taken, as a multiple of the noise, which is subtracted.
+_CLEAR = 0.2
 _TINY = 1e-13
 
 
@@ -76,7 +78,7 @@ def gains_db(heard: Sequence[Arrivals], ways: NDArray[np.float64]) -> tuple[NDAr
     outdoors, of the direct sound by its ways (K, M) m. NaN for a channel without sound.
     """
     tails, noise = np.array([one.tail for one in heard]), np.array([one.noise for one in heard])
-    clear = np.median(tails, axis=1) > np.median(noise, axis=1)
+    clear = np.median(tails, axis=1) > _CLEAR * np.median(noise, axis=1)
     if clear.sum() >= max(3, len(heard) / 2):
         powers = tails[clear]
     else:
