@@ -21,7 +21,7 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from app.attention.desires import SCALE, Desire, Source
+from app.attention.desires import SCALE, Desire
 from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace, UnknownDesire
 from app.base.geometry import Pose2
@@ -39,7 +39,8 @@ from app.modules.motivations.distress import (
     same_goal,
     status_of,
 )
-from app.runtime.module import Module, ModuleContext, Settings
+from app.modules.motivations.motivation import Motivation
+from app.runtime.module import ModuleContext, Settings
 
 GO_TO = "GoTo"
 _BEAT_S = 0.25
@@ -70,8 +71,9 @@ class ProgressSupervisorSettings(Settings):
         return DistressTimes(self.insist_s, self.inhibit_s, self.give_up_s, self.unreachable_s, self.relief_s)
 
 
-class ProgressSupervisor(Module):
+class ProgressSupervisor(Motivation):
     title = "Progress supervisor"
+    motive = "emotional"
     Settings = ProgressSupervisorSettings
     settings: ProgressSupervisorSettings
 
@@ -178,8 +180,7 @@ class ProgressSupervisor(Module):
         for cls in silenced:
             # Expires by itself in case this module fails first.
             until_s = self.settings.give_up_s - self.settings.inhibit_s + self.settings.relief_s
-            source = Source("motivation", self.name)
-            added = self._workspace.add(cls, intensity=SCALE, utility=0.0, ttl=until_s, source=source)
+            added = self._workspace.add(cls, intensity=SCALE, utility=0.0, ttl=until_s, source=self.source)
             self._inhibiting.append(added.id)
         return silenced
 
