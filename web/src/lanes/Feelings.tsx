@@ -38,8 +38,9 @@ export function Feelings({ levels, shown }: Props) {
       {levels.map((level) => {
         const { emotion, intensity } = level;
         const [, ...from] = feelingWords(level).split("\n");
+        if (from.length === 0) from.push(t("No desire feeds it now."));
         const shows = shownWords(emotion, shown);
-        const why = [from.length > 0 ? from.join("\n") : t("No desire feeds it now."), shows].filter(Boolean).join("\n");
+        const why = (shows ? [...from, shows] : from).join("\n");
         return (
           <button
             key={emotion}
