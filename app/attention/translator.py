@@ -16,6 +16,7 @@ from typing import Any, Final
 
 from app.attention.budgets import Budgets
 from app.attention.cached_solver import CachedSolver
+from app.attention.enforcement import enforce
 from app.attention.explaining import EXPLAIN_S, Explainer
 from app.attention.hysteresis import HysteresisState, SelectionHysteresis
 from app.attention.intention import Intention, divisors_of, parameters_of
@@ -320,31 +321,17 @@ class IntentionTranslator:
             weights=problem.weights,
             changed=self._declared.changed(problem.strategies),
         )
-        self._configure(before.parameters if before is not None else {}, intention.parameters)
-        old = before.divisors if before is not None else {}
-        changed = {name: phi for name, phi in intention.divisors.items() if old.get(name) != phi}
-        if changed:
-            self._filters.apply(changed)
+        changed = enforce(
+            before, intention, filters=self._filters, parameters=self._parameters, timeline=self._timeline
+        )
         self._current = intention
         self._counts["applied"] += 1
         note_intention(self._timeline, before, intention)
-        note_filters(self._timeline, old, changed)
+        note_filters(self._timeline, {} if before is None else before.divisors, changed)
         self._observers.notify(intention)
 
     def _remarked(self, reasons: Mapping[str, Reason]) -> dict[str, Reason]:
         return {cls: replace(reason, remark=self._remarks.get(cls, "")) for cls, reason in reasons.items()}
-
-    def _configure(self, before: Mapping[str, Mapping[str, Any]], after: Mapping[str, Mapping[str, Any]]) -> None:
-        for module in sorted({*before, *after}):
-            parameters = after.get(module, {})
-            if parameters == before.get(module, {}):
-                continue
-            try:
-                self._parameters.configure(module, parameters)
-            except Exception as failure:  # noqa: BLE001 - one module's refusal must not stop the others' attention
-                text = f"{module} refused its parameters: {type(failure).__name__}: {failure}"
-                _log.error("%s", text)
-                self._timeline.add("module", module, text, {"parameters": dict(parameters)})
 
     async def _explain(self, problem: SelectionProblem, selection: Selection, version: int) -> None:
         """Complete the reasons beside the loop; newer desires make them pointless."""

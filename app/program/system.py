@@ -10,24 +10,15 @@ import asyncio
 import logging
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import AsyncExitStack
-from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from types import TracebackType
 
-from app.attention.cached_solver import CachedSolver
-from app.attention.explaining import EXPLAIN_S
-from app.attention.hysteresis import SelectionHysteresis
 from app.attention.lanes import LaneMonitor, LaneSampler
-from app.attention.problem import Weights
 from app.attention.rule_book import RuleBook
-from app.attention.strategies import StrategyTable, trimmed
-from app.attention.strategy_file import load_strategies
 from app.attention.timeline import Timeline
-from app.attention.translator import IntentionTranslator
 from app.attention.workspace import IntentionWorkspace, random_id
 from app.base import paths
-from app.base.yaml_source import suggestion
 from app.link import LinkFailed, RobotLink
 from app.logs.library import RecordingLibrary, default_folder
 from app.logs.manifest import Manifest
@@ -42,9 +33,10 @@ from app.memory.store import MemoryStore
 from app.memory.store import default_folder as default_memory_folder
 from app.messages import Accomplishment, BatteryState, Confidence, Exploitation, LoadReport, PerceptEvent, PerceptKind
 from app.program.attachments import snapshot, with_table
+from app.program.attention_setup import attend, load_table, make_translator, power_budget
 from app.program.battery_watch import BatteryWatch
 from app.program.body_restart import BodyRestarter
-from app.program.config import Configuration, PowerConfig, load_configuration
+from app.program.config import Configuration, load_configuration
 from app.program.desire_classes import desire_classes
 from app.program.exploitation_watch import ExploitationWatch
 from app.program.load_control import LoadControl
@@ -57,12 +49,10 @@ from app.robots.factory import Body, create_link, load_body
 from app.runtime.channel import Channel
 from app.runtime.channel_table import ChannelTable
 from app.runtime.clock import Clock, RealClock
-from app.runtime.filter import CLOSED
 from app.runtime.filter_bank import Pin
 from app.runtime.freshness import FreshnessWatch
 from app.runtime.graph import Graph
 from app.runtime.load import LoadMeter
-from app.runtime.module import Caution
 from app.runtime.replay_clock import ReplayClock
 from app.runtime.supervisor import Supervisor
 from app.runtime.watchdog import LoopWatchdog
@@ -76,8 +66,6 @@ from app.tours.store import TourStore
 log = logging.getLogger("hbba.system")
 
 LOAD_WINDOW_S = 1.0
-#: Real seconds for the solver and for reasons where nothing may depend on how fast this computer is.
-PATIENT_S = 60.0
 
 
 class System:
@@ -115,7 +103,6 @@ class System:
         them what it knows of itself. ``nodes``: the computers that the configuration declares may join. Raises
         ConfigError.
         """
-        self._partial = partial
         self._reproducible = reproducible
         real = RealClock()
         self.clock: Clock = clock or real
@@ -167,9 +154,9 @@ class System:
             services=services,
             error=configuration.wiring_error,
         )
-        self.table = self._load_table()
+        self.table = load_table(configuration, self.graph, self.classes, nodes=self.nodes, partial=partial)
         #: Warnings about the configuration.
-        self.cautions = self._attend()
+        self.cautions = attend(configuration, self.graph, self.table)
         for name, pin in (pins or {}).items():
             self.graph.filters.pin(name, pin)
         self.supervisor = Supervisor(self.graph.modules, self.clock, self.pace)
@@ -178,12 +165,23 @@ class System:
         self.load = LoadMeter(meters, self.clock.now)
         self._modules = ModuleMeter(self.graph.modules, self.supervisor, self.load)
         self.watchdog = LoopWatchdog(meters)
-        self.translator = self._make_translator()
+        power = power_budget(configuration, self.table)
+        self.translator = make_translator(
+            configuration,
+            self.graph,
+            self.table,
+            workspace=self.workspace,
+            timeline=self.timeline,
+            clock=self.clock,
+            power=power,
+            partial=partial,
+            reproducible=reproducible,
+        )
         manifest = snapshot(configuration, self.graph, self.link.description.name, body)
         services[Manifest] = with_table(manifest, self.translator.problem())
         #: Attention's closed loop; None where it is open.
         self.control = self._load_control()
-        self._battery = BatteryWatch(self.timeline, self._power(), self.translator.set_capacity)
+        self._battery = BatteryWatch(self.timeline, power, self.translator.set_capacity)
         self._lanes = None if "lanes" in recorded else self._lane_monitor()
         self.body_restarter = BodyRestarter(self.link, self.supervisor, self._renew_state, self.timeline, self.clock)
         self._stack = AsyncExitStack()
@@ -324,66 +322,6 @@ class System:
         finally:
             body.cancel()
 
-    def _attend(self) -> tuple[Caution, ...]:
-        """Hand filters over to attention, and with them every output that can move the body: one that no strategy
-        opens stays closed. Returns what people must know of that, and of the modules."""
-        moving = self.graph.moving()
-        self.graph.attend(self.table.filters | moving.keys())
-        opened = {name for each in self.table.strategies for name, phi in each.filters.items() if phi != CLOSED}
-        cautions = []
-        for name, slot in self.graph.modules.items():
-            where = self.config.where("modules", name)
-            cautions += [replace(caution, where=where) for caution in slot.module.cautions()]
-        for output in sorted(moving.keys() - opened):
-            module, port = output.split(".", 1)
-            text = (
-                f"no strategy opens {output}, which leads to {moving[output]} and can move the robot: it stays closed; "
-                "name it in `filters` of a strategy, and the file of that strategy in `strategies` of the program"
-            )
-            where = self.config.where("modules", module, "outputs", port)
-            cautions.append(Caution(f"{self.graph.modules[module].title} stays closed", text, where))
-        return tuple(cautions)
-
-    def _load_table(self) -> StrategyTable:
-        table = load_strategies(
-            [self.config.path(file) for file in self.config.program.strategies],
-            classes=self.classes,
-            ports=None if self._partial else self.graph.ports(),
-            undivided=self.graph.filters.undivided(),
-            calibration=self.config.calibration,
-        )
-        table = trimmed(table, self.graph.ports()) if self._partial else table
-        return table if self.nodes is None else self.nodes.extend(table)
-
-    def _make_translator(self) -> IntentionTranslator:
-        settings, power = self.config.program.attention, self._power()
-        safe = settings.safe_strategies
-        if self._partial:
-            there = {strategy.name for strategy in self.table.strategies}
-            safe = tuple(name for name in safe if name in there)
-        limit_s = PATIENT_S if self._reproducible else settings.solve_time_limit_s
-        try:
-            return IntentionTranslator(
-                self.workspace,
-                self.table,
-                filters=self.graph.filters,
-                parameters=self.graph,
-                timeline=self.timeline,
-                clock=self.clock,
-                safe=safe,
-                solver=CachedSolver(time_limit_s=limit_s, timed=not self._reproducible),
-                explain_limit_s=PATIENT_S if self._reproducible else EXPLAIN_S,
-                weights=Weights(
-                    settings.weights.intensity,
-                    settings.weights.utility,
-                    spare=0.0 if power is None else power.weight,
-                    spare_of="" if power is None else power.resource,
-                ),
-                hysteresis=SelectionHysteresis(settings.hysteresis_gain, settings.hysteresis_dwell_s),
-            )
-        except ValueError as failure:
-            raise self.config.program_document.error(str(failure), ("attention", "safe_strategies")) from None
-
     def _load_control(self) -> LoadControl | None:
         settings = self.config.program.attention.closed_loop
         # What follows the speed of this computer cannot be repeated, nor is a replay's load that of the robot.
@@ -438,14 +376,6 @@ class System:
     async def _follow_battery(self, channel: Channel[BatteryState]) -> None:
         async for state in channel.subscribe("battery watch"):
             self._battery.take(state)
-
-    def _power(self) -> PowerConfig | None:
-        """How power is budgeted. Raises ConfigError for a resource that no file of strategies declares."""
-        power = self.config.program.attention.power
-        if power is None or power.resource in self.table.resources:
-            return power
-        message = f"there is no resource {power.resource!r}; {suggestion(power.resource, list(self.table.resources))}"
-        raise self.config.program_document.error(message, ("attention", "power", "resource"))
 
 
 async def _cancelled(task: asyncio.Task[None]) -> None:

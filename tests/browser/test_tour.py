@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page
+from playwright.sync_api import Browser, Page, expect
 
 from app.base.geometry import Pose2
 from tests.browser.held_keys import hold_until
@@ -59,9 +59,17 @@ def configure(page: Page) -> None:
     page.get_by_test_id("tour-stop").nth(len(POSTERS) - 1).wait_for()
 
 
-def begin(robot: Robot, tour: str) -> None:
-    status, _, answer = robot.request("POST", f"/tours/{tour}/run", {"language": "en"})
-    assert status == 200, answer
+def begin(page: Page, tour: str) -> None:
+    """Load the map that the tour is on, at whose start the robot is again, and lead the tour."""
+    page.get_by_test_id("tab-map").click()
+    row = page.locator("[data-testid=kept-map][data-name=room]")
+    row.get_by_test_id("map-load").click()
+    row.get_by_test_id("map-at-start").check()
+    row.get_by_test_id("map-load-confirm").click()
+    expect(page.get_by_test_id("map-where")).to_have_attribute("data-map", "room")
+    page.get_by_test_id("tab-tour").click()
+    page.get_by_test_id("tour-run-tour").select_option(tour)
+    page.get_by_test_id("tour-run-start").click()
 
 
 def reported(robot: Robot) -> dict[str, Any]:
@@ -93,9 +101,7 @@ def test_a_tour_configured_by_driving_is_led_after_a_restart(
             assert math.dist((place["x"], place["y"]), before) < SEEN_IN_PASSING_M
     with running(tmp_path / "second", visitors=True) as robot:
         with opened(browser, robot) as page:
-            assert robot.request("POST", "/maps/room/load", {"pose": {"x": 0.0, "y": 0.0, "theta": 0.0}})[0] == 200
-            page.get_by_test_id("tab-tour").click()
-            begin(robot, tour["id"])
+            begin(page, tour["id"])
             page.locator("[data-testid=tour-run][data-stop=arm]").wait_for()
         # The page is closed: it would take as much of the computer as the robot itself.
         report = reported(robot)

@@ -38,3 +38,15 @@ def strict(schema: Any) -> Any:
         return schema
     closed = {"additionalProperties": False} if "properties" in schema else {}
     return {**closed, **{key: strict(value) for key, value in schema.items()}}
+
+
+def is_problem(response: httpx.Response, status: int, kind: str) -> dict[str, Any]:
+    """Check that ``response`` is this problem and return the document."""
+    assert response.status_code == status, response.text
+    assert response.headers["content-type"] == "application/problem+json"
+    document: dict[str, Any] = response.json()
+    assert document["type"] == f"urn:hbba:problem:{kind}"
+    assert document["status"] == status
+    assert document["title"]
+    assert document["detail"]
+    return document

@@ -192,6 +192,9 @@ strategies:
     costs: {cpu: 10}
 """
 
+#: A desire that the program serves, as REST takes it.
+NEW = {"class": "Telepresence", "intensity": 8, "utility": 4, "security": False, "params": {}, "ttl": 30}
+
 
 class Body:
     """A RobotLink whose streams the test feeds with :meth:`emit`."""

@@ -11,10 +11,10 @@ import pytest
 from app.base.geometry import Pose2
 from app.logs.log import Logged
 from app.messages import Message
+from tests.console.answers import is_problem
 from tests.console.live.test_way import pictured
 from tests.console.live_client import page
 from tests.console.places import grid, localization, path, status, zone, zones
-from tests.console.rest.test_routes import is_problem
 from tests.console.test_recorded_percepts import manifest
 from tests.logs.replay.logs import BEGIN, MemoryLog, lab_messages
 from tests.logs.replay.playing import Played, prepare

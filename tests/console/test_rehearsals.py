@@ -19,8 +19,7 @@ from app.console.records.tours import RehearsalReport
 from app.console.rehearsal_process import RehearsalOrder, RehearsalWord, finished
 from app.console.rehearsals import NOTHING, Rehearsals, RehearsalUnderWay
 from app.rehearsal.result import Rehearsal, RehearsalProblem, Subtitle
-from tests.console.answers import answered, described
-from tests.console.rest.test_routes import is_problem
+from tests.console.answers import answered, described, is_problem
 from tests.patience import PATIENCE_S
 from tests.tours.tours import tour_data
 

@@ -75,3 +75,12 @@ def test_a_closed_filter_stays_closed_however_much_is_offered() -> None:
     rate_filter = RateFilter(CLOSED)
     assert not rate_filter.is_open
     assert not any(rate_filter.offer() for _ in range(1000))
+
+
+@given(st.integers(1, 9), st.integers(0, 20), st.integers(0, 60))
+def test_decimation_begins_at_the_offset(divisor: int, offset: int, messages: int) -> None:
+    rate_filter = RateFilter(divisor)
+    rate_filter.begin(offset)
+    assert [rate_filter.offer() for _ in range(messages)] == [
+        number >= offset and (number - offset) % divisor == 0 for number in range(messages)
+    ]

@@ -4,42 +4,14 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
-from pydantic import Field
 
 from app.messages import Message, Odometry, Twist
 from app.runtime.channel_table import ChannelSpec
-from app.runtime.errors import ModuleFailed
-from app.runtime.filter import CLOSED, RateFilter
-from app.runtime.filter_bank import FilterBank, Pin
-from app.runtime.freshness import commanded_divisors
-from app.runtime.graph import Graph, WiringError, load_class
-from app.runtime.module import Module, ModuleContext, Settings
-
-Build = Callable[..., Graph]
-
-
-class SourceSettings(Settings):
-    period_s: float = Field(0.1, gt=0)
-
-
-class Source(Module):
-    Settings = SourceSettings
-    title = "Counts"
-    settings: SourceSettings
-
-    def __init__(self, context: ModuleContext) -> None:
-        super().__init__(context)
-        self.numbers = self.output("numbers", Twist)
-
-
-class Relay(Module):
-    def __init__(self, context: ModuleContext) -> None:
-        super().__init__(context)
-        self.numbers = self.input("numbers", Twist)
-        self.safety = self.input("safety", Twist, always_open=True)
-        self.relayed = self.output("relayed", Twist)
+from app.runtime.filter import CLOSED
+from app.runtime.filter_bank import Pin
+from app.runtime.graph import WiringError, load_class
+from app.runtime.module import Module, ModuleContext
+from tests.runtime.wired import WIRED, Build, Relay, Source, SourceSettings, Wheels, refused
 
 
 class Sleeper(Module):
@@ -74,18 +46,6 @@ class Collector(Module):
         self.input(name, message_type)
 
 
-class Wheels(Module):
-    def __init__(self, context: ModuleContext) -> None:
-        super().__init__(context)
-        self.driven = self.input("driven", Twist, moves=True)
-        self.pushed = self.input("pushed", Twist, moves=True)
-        self.brake = self.input("brake", Twist)
-
-    def check_wiring(self) -> None:
-        if not self.brake.connected:
-            raise ModuleFailed("wheels need a brake")
-
-
 class NeedsDict(Module):
     def __init__(self, context: ModuleContext) -> None:
         super().__init__(context)
@@ -93,12 +53,6 @@ class NeedsDict(Module):
 
 
 NotAModule = dict
-
-
-def refused(build: Build, *args: Any, **kwargs: Any) -> str:
-    with pytest.raises(WiringError) as caught:
-        build(*args, **kwargs)
-    return str(caught.value)
 
 
 def test_a_wired_graph_delivers_from_output_to_input(build: Build, make: Callable[..., Twist]) -> None:
@@ -266,12 +220,6 @@ def test_a_channel_of_an_unknown_message_type_is_refused(build: Build, message_t
     )
 
 
-WIRED: tuple[dict[str, Any], dict[str, Any]] = (
-    {"A": (Source, {}, {"numbers": "n"}), "B": (Relay, {"numbers": "n", "safety": "n"}, {"relayed": "r"})},
-    {"n": {}, "r": {}},
-)
-
-
 def test_attended_filters_begin_closed_and_all_others_open(build: Build) -> None:
     graph = build(*WIRED, attended=("A.numbers", "B.numbers"))
     assert graph.filters.divisors() == {"A.numbers": CLOSED, "B.numbers": CLOSED, "B.safety": 1, "B.relayed": 1}
@@ -342,51 +290,6 @@ def test_channels_are_found_by_name(build: Build) -> None:
         graph.channel("m")
 
 
-# --- FilterBank ---
-
-divisors = st.one_of(st.integers(1, 5), st.just(CLOSED))
-names = st.sampled_from(["a", "b", "c", "d"])
-
-
-@given(st.fixed_dictionaries(dict.fromkeys("abcd", divisors)), st.dictionaries(names, divisors))
-def test_apply_changes_exactly_what_differs_and_opens_before_it_closes(
-    before: dict[str, float], wanted: dict[str, float]
-) -> None:
-    bank = FilterBank()
-    order: list[tuple[float, float]] = []
-    for name, divisor in before.items():
-        bank.add(name, RateFilter(divisor, lambda was, now: order.append((was, now))))
-    changed = bank.apply(wanted)
-    assert bank.divisors() == {**before, **wanted}
-    assert changed == {n: (before[n], d) for n, d in wanted.items() if d != before[n]}
-    closing = [now > was for was, now in order]
-    assert closing == sorted(closing)
-    assert len(order) == len(changed)
-
-
-@given(st.dictionaries(names, divisors), st.sampled_from([("x", 1.0, KeyError), ("a", 0.5, ValueError)]))
-def test_a_set_of_filters_with_one_mistake_changes_nothing(
-    wanted: dict[str, float], mistake: tuple[str, float, type[Exception]]
-) -> None:
-    bank = FilterBank()
-    for name in "abcd":
-        bank.add(name, RateFilter(2))
-    wrong_name, wrong_divisor, error = mistake
-    with pytest.raises(error):
-        bank.apply({**wanted, wrong_name: wrong_divisor})
-    assert set(bank.divisors().values()) == {2}
-
-
-def test_an_unknown_filter_is_named_with_those_there_are() -> None:
-    bank = FilterBank()
-    for name in ("A.numbers", "B.others"):
-        bank.add(name, RateFilter())
-    with pytest.raises(KeyError, match=r"no filter 'A\.number'; did you mean 'A\.numbers'\? there are: A\.numbers"):
-        bank.apply({"A.number": 1})
-    with pytest.raises(KeyError, match=r"no filter 'C\.sums'; there are: A\.numbers, B\.others"):
-        bank.apply({"C.sums": 1})
-
-
 def test_a_module_that_names_no_inputs_may_choose_its_own(build: Build) -> None:
     source: tuple[type[Module], dict[str, str], dict[str, str]] = (Source, {}, {"numbers": "n"})
     channels = {"n": {}, "quiet": {"log": "never", "external": True}, "late": {"external": True}, "unfed": {}}
@@ -395,68 +298,6 @@ def test_a_module_that_names_no_inputs_may_choose_its_own(build: Build) -> None:
     named = build({"A": source, "C": (Collector, {"it": "n"}, {})}, channels)
     assert named.ports()["C"] == {"it"}
     assert "C.it" in named.filters.names()
-
-
-def test_a_pinned_filter_is_not_changed_by_others(build: Build) -> None:
-    filters = build(*WIRED).filters
-    filters.pin("B.numbers", Pin(4, offset=2))
-    assert filters.apply({"B.numbers": 1, "A.numbers": 2}) == {"A.numbers": (1, 2)}
-    assert filters.divisors()["B.numbers"] == 4
-    filters.pin("B.numbers", Pin(3))
-    assert filters.divisors()["B.numbers"] == 3
-    with pytest.raises(ValueError, match="offset"):
-        filters.pin("B.numbers", Pin(3, offset=-1))
-    with pytest.raises(KeyError, match="no filter"):
-        filters.pin("B.letters", Pin(3))
-
-
-def test_what_may_not_be_decimated_is_pinned_open_or_closed(build: Build) -> None:
-    modules, channels = WIRED
-    filters = build(modules, {**channels, "n": {"decimable": False}}).filters
-    for name in ("A.numbers", "B.numbers"):
-        with pytest.raises(ValueError, match=f"the channel of {name} may not be decimated: 1 or off, not 2"):
-            filters.pin(name, Pin(2))
-        assert (filters.divisors()[name], set(filters.pinned())) == (1, set())
-    for divisor in (CLOSED, 1):
-        filters.pin("B.numbers", Pin(divisor))
-        assert filters.divisors()["B.numbers"] == divisor
-    filters.pin("B.relayed", Pin(2))
-
-
-@given(st.integers(1, 9), st.integers(0, 20), st.integers(0, 60))
-def test_decimation_begins_at_the_offset(divisor: int, offset: int, messages: int) -> None:
-    rate_filter = RateFilter(divisor)
-    rate_filter.begin(offset)
-    assert [rate_filter.offer() for _ in range(messages)] == [
-        number >= offset and (number - offset) % divisor == 0 for number in range(messages)
-    ]
-
-
-@given(st.integers(1, 5), st.integers(0, 6), st.integers(1, 5))
-def test_a_delay_counts_from_the_first_opening_and_only_once(divisor: int, offset: int, later: int) -> None:
-    bank, rate_filter = FilterBank(), RateFilter(CLOSED)
-    bank.add("M.p", rate_filter)
-    bank.delay(offset)
-    assert not any(rate_filter.offer() for _ in range(10))
-    bank.apply({"M.p": divisor})
-    passed = [number for number in range(40) if rate_filter.offer()]
-    assert passed == list(range(offset, 40, divisor))
-    bank.apply({"M.p": CLOSED})
-    bank.apply({"M.p": later})
-    assert rate_filter.offer()
-
-
-def test_a_delay_leaves_open_and_pinned_filters_alone() -> None:
-    bank = FilterBank()
-    opened, pinned = RateFilter(1), RateFilter(CLOSED)
-    bank.add("M.open", opened)
-    bank.add("M.pinned", pinned)
-    bank.pin("M.pinned", Pin(2, offset=1))
-    bank.delay(5)
-    assert opened.offer()
-    assert [pinned.offer() for _ in range(4)] == [False, True, False, True]
-    with pytest.raises(ValueError, match="a number of messages from 0, not -1"):
-        bank.delay(-1)
 
 
 def test_a_graph_that_forgets_filters_as_at_its_start(build: Build, make: Callable[..., Twist]) -> None:
@@ -484,16 +325,6 @@ def test_inputs_are_listed_with_their_channels(build: Build) -> None:
     assert graph.inputs() == {"R.numbers": "n"}
 
 
-def test_a_filter_that_is_given_back_obeys_again(build: Build) -> None:
-    filters = build(*WIRED).filters
-    filters.pin("B.numbers", Pin(4))
-    assert set(filters.pinned()) == {"B.numbers"}
-    filters.unpin("B.numbers", 2)
-    filters.unpin("A.numbers", 7)  # never pinned
-    assert (filters.divisors()["B.numbers"], filters.divisors()["A.numbers"]) == (2, 1)
-    assert filters.apply({"B.numbers": 3}) == {"B.numbers": (2, 3)}
-
-
 def test_what_a_module_keeps_is_there_for_its_next_instance_until_all_is_forgotten(build: Build) -> None:
     graph = build(*WIRED)
     slot = graph.modules["A"]
@@ -503,60 +334,3 @@ def test_what_a_module_keeps_is_there_for_its_next_instance_until_all_is_forgott
     assert graph.modules["B"].module.persistent == {}
     graph.reset()
     assert slot.module.persistent == {}
-
-
-# --- Modules that stand for others -------------------------------------------------------------------------------
-
-
-def with_stand_in(build: Build, **spec: Any) -> Graph:
-    """``Relay`` and ``Relay@desk``, which stands for it; attention has the filters of both."""
-    wiring = ({"numbers": "n"}, {"relayed": "r"})
-    graph: Graph = build(
-        {"Source": (Source, {}, {"numbers": "n"}), "Relay": (Relay, *wiring), "Relay@desk": (Relay, *wiring, spec)},
-        {"n": {}, "r": {}},
-        attended=("Relay.numbers", "Relay@desk.numbers"),
-    )
-    return graph
-
-
-def test_a_module_that_stands_for_another_publishes_on_its_channels_and_shares_what_it_keeps(build: Build) -> None:
-    graph = with_stand_in(build, stands_for="Relay")
-    assert graph.producers["r"] == "Relay.relayed"
-    assert graph.alternatives == {"r": ("Relay@desk.relayed",)}
-    graph.modules["Relay@desk"].module.persistent["next"] = 3
-    assert graph.modules["Relay"].module.persistent == {"next": 3}
-
-
-@pytest.mark.parametrize("spec", [{}, {"stands_for": "Source"}])
-def test_no_other_second_producer_is_allowed(build: Build, spec: dict[str, Any]) -> None:
-    with pytest.raises(WiringError, match=r"channel r already has a producer, Relay\.relayed"):
-        with_stand_in(build, **spec)
-
-
-def test_a_module_stands_for_one_that_there_is(build: Build) -> None:
-    with pytest.raises(WiringError, match="stands_for: no module 'Rely'; did you mean"):
-        with_stand_in(build, stands_for="Rely")
-
-
-def test_the_producer_at_work_is_the_one_that_is_fed(build: Build) -> None:
-    graph = with_stand_in(build, stands_for="Relay")
-    assert graph.producer_at_work("r") == "Relay.relayed"
-    graph.filters.apply({"Relay@desk.numbers": 2})
-    assert graph.producer_at_work("r") == "Relay@desk.relayed"
-    subscription = graph.channels["r"].subscribe("test")
-    assert commanded_divisors(graph)["r"] == 2
-    graph.filters.apply({"Relay@desk.numbers": CLOSED, "Relay.numbers": 4})
-    assert graph.producer_at_work("r") == "Relay.relayed"
-    assert commanded_divisors(graph)["r"] == 4
-    subscription.close()
-
-
-def test_nothing_stands_for_a_module_that_can_move_the_robot(build: Build) -> None:
-    wiring = ({"numbers": "n"}, {"relayed": "r"})
-    modules = {
-        "Source": (Source, {}, {"numbers": "n"}),
-        "Relay": (Relay, *wiring),
-        "Relay@desk": (Relay, *wiring, {"stands_for": "Relay"}),
-        "Wheels": (Wheels, {"driven": "r"}, {}),
-    }
-    assert "Relay.relayed leads to Wheels.driven and can move the robot" in refused(build, modules, {"n": {}, "r": {}})

@@ -101,7 +101,7 @@ const toursShown = computed(() => store.body.value.maps && store.tab.value === "
 const mapsShown = computed(() => map.shown.value || toursShown.value);
 const maps = new MapLibrary(store, session.rest, mapsShown, () => map.desireMap());
 const places = new PlaceControl(store, session.rest);
-const tours = new TourControl(store, session.rest, toursShown);
+const tours = new TourControl(store, session.tourRest, toursShown);
 const tourRoute = new RouteControl(session.rest, {
   draft: tours.draft,
   places: places.all,
@@ -111,10 +111,10 @@ const tourRoute = new RouteControl(session.rest, {
 });
 const stops = new StopMaker(store, session.rest, places, tours);
 const tourPointing = new TourPointing(store, session.rest, map, tours);
-const tourRun = new TourRunControl(store, session.rest, tours);
+const tourRun = new TourRunControl(store, session.tourRest, tours);
 const tourTrial = new TourTrial(store, session.rest);
 const tourDrive = new TourDrive(store, session.rest, map, maps, places, tours);
-const rehearsal = new RehearsalControl(session.rest, tours);
+const rehearsal = new RehearsalControl(session.tourRest, tours);
 const tourMarks = computed(() => {
   const tour = tours.draft.value;
   if (!tour || !toursShown.value || (maps.inUse.value !== null && maps.inUse.value !== tour.map)) return null;

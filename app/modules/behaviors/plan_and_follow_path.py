@@ -36,7 +36,6 @@ Follow is a subclass of it, whose goal moves (``follow/follow.py``).
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 import math
 from collections.abc import Callable, Mapping
@@ -72,8 +71,8 @@ from app.modules.behaviors.navigation.costmap.persistent_obstacle_store import P
 from app.modules.behaviors.navigation.costmap.self_filter import self_filtered
 from app.modules.behaviors.navigation.kernel_loading import load_kernels
 from app.modules.behaviors.navigation.planning.global_planner import GlobalPlanner, PlanRequest, PlanResult
-from app.modules.behaviors.navigation.planning.goal_planning import GlobalPlan
 from app.modules.behaviors.navigation.planning.route_planner import LegRequest, RouteFinder
+from app.modules.behaviors.navigation.tracking.background_planner import BackgroundPlanner
 from app.modules.behaviors.navigation.tracking.command_jitter import CommandJitter
 from app.modules.behaviors.navigation.tracking.control_cycle import (
     ControlCycle,
@@ -84,7 +83,8 @@ from app.modules.behaviors.navigation.tracking.desired_goal import goal_of
 from app.modules.behaviors.navigation.tracking.localization_monitor import LocalizationMonitor
 from app.modules.behaviors.navigation.tracking.navigation_settings import PlanAndFollowPathSettings
 from app.modules.behaviors.navigation.tracking.path_tracker import NavigationGoal, TrackingStep
-from app.modules.behaviors.navigation.tracking.replanning import MOVED, Planned, why_plan
+from app.modules.behaviors.navigation.tracking.posed_readings import PosedReadings
+from app.modules.behaviors.navigation.tracking.replanning import MOVED
 from app.modules.behaviors.navigation.tracking.status_publisher import StatusPublisher
 from app.modules.body_shapes import moving_shapes
 from app.modules.stream_module import robot_link
@@ -122,7 +122,15 @@ class PlanAndFollowPath(Module):
         self.costmap = self.output("costmap", OccupancyGrid)
         self._accomplishments = AccomplishmentReporter(self, self.desire_classes[0].name)
         self._poses = LocalizationMonitor()
-        self.on(self.scans, self._take_scan)
+        self._readings = PosedReadings(self._poses.at)
+        self._planner = BackgroundPlanner(
+            lambda request: self.compute_background(self._global_planner.find, request),
+            self.fail,
+            period_s=self.settings.replan_s,
+            blocked_period_s=self.settings.blocked_replan_s,
+            name=f"{self.name} plans",
+        )
+        self.on(self.scans, self._readings.add_scan)
         self.on(self.images, self._take_image)
         self.on(self.odometry, self._poses.add_odometry)
         self.on(self.joints, self._take_joints)
@@ -131,8 +139,6 @@ class PlanAndFollowPath(Module):
         self.on(self.zones, self._take_zones)
         self.on(self.base, self._take_exploitation)
         self.every(self.settings.period_s, self._cycle)
-        self._scan: LaserScan | None = None
-        self._image: Image | None = None
         self._positions = JointBuffer()
         #: What the joints move: the camera may see it, and it may reach beyond the footprint; None: nothing.
         self._own: MovingShapes | None = None
@@ -142,11 +148,6 @@ class PlanAndFollowPath(Module):
         self._goal: NavigationGoal | None = None
         self._controller = self.settings.controller
         self._controller_in_use = self._controller
-        self._planning: asyncio.Task[PlanResult] | None = None
-        self._planned: Planned | None = None
-        self._answer: PlanResult | None = None
-        self._plan: GlobalPlan | None = None
-        self._wanted_plan = ""
         self._status_publisher = StatusPublisher(self.status.publish, self.log)
         self._costmap_at = -math.inf
         self._costmap_version = 0
@@ -207,8 +208,7 @@ class PlanAndFollowPath(Module):
         self._leave_routes()
         if self._leave_map is not None:
             self._leave_map()
-        if self._planning is not None:
-            self._planning.cancel()
+        self._planner.cancel()
 
     def configure(self, parameters: Mapping[str, Any]) -> None:
         """Take the desire's goal, and the strategy's ``controller``; without ``x`` and ``y`` there is no goal."""
@@ -234,14 +234,11 @@ class PlanAndFollowPath(Module):
 
     # --- inputs ---
 
-    async def _take_scan(self, scan: LaserScan) -> None:
-        self._scan = scan
-
     async def _take_image(self, image: Image) -> None:
         own, positions = self._own, self._positions.at(image.stamp)
         if own is not None and positions is not None:
             image = await self.compute(lambda: self_filtered(image, own.at(positions)))
-        self._image = image
+        self._readings.add_image(image)
 
     async def _take_joints(self, joints: JointState) -> None:
         self._positions.add(joints.stamp, dict(zip(joints.names, joints.positions, strict=True)))
@@ -251,7 +248,7 @@ class PlanAndFollowPath(Module):
 
     async def _take_zones(self, zones: Zones) -> None:
         self._zones = zones
-        self._wanted_plan = self._wanted_plan or "zones changed"
+        self._planner.want("zones changed")
 
     async def _take_exploitation(self, exploitation: Exploitation) -> None:
         self._given_mps = exploitation.twist.linear_mps if exploitation.behavior == self.name else 0.0
@@ -290,17 +287,15 @@ class PlanAndFollowPath(Module):
         if motion is None:
             self._publish_stop(now, goal, problem)
             return
-        answer, self._answer = self._answer, None
-        if self._planned is None or self._planned.goal is not goal:
-            answer = None
+        answer = self._planner.take_answer(goal)
         inputs = CycleInput(
             now,
             motion,
             X_MO=self._poses.X_MO,
             problem=problem,
             goal=goal,
-            scan=self._scan_with_poses(),
-            image=self._image_with_pose(),
+            scan=self._readings.take_scan(),
+            image=self._readings.take_image(),
             plan=answer.plan if answer is not None and answer.changed else None,
             speed_at=None
             if answer is None
@@ -331,30 +326,12 @@ class PlanAndFollowPath(Module):
         """Enter persistent obstacles while another behavior drives, on a body with a depth camera."""
         if self._control.persistent_obstacles is None:
             return
-        motion, scan, image = self._poses.motion(now), self._scan_with_poses(), self._image_with_pose()
+        motion, scan, image = self._poses.motion(now), self._readings.take_scan(), self._readings.take_image()
         if motion is not None and (scan is not None or image is not None):
             inputs = CycleInput(
                 now, motion, X_MO=self._poses.X_MO, problem=self._poses.problem(now), goal=None, scan=scan, image=image
             )
             await self.compute(self._control.remember, inputs)
-
-    def _scan_with_poses(self) -> tuple[LaserScan, Pose2, Pose2] | None:
-        scan = self._scan
-        if scan is None:
-            return None
-        begin, end = self._poses.at(scan.stamp), self._poses.at(scan.stamp + scan.duration_s)
-        if begin is None or end is None:
-            return None
-        self._scan = None
-        return scan, begin, end
-
-    def _image_with_pose(self) -> tuple[Image, Pose2] | None:
-        image = self._image
-        X_OB = None if image is None else self._poses.at(image.stamp)
-        if image is None or X_OB is None:
-            return None
-        self._image = None
-        return image, X_OB
 
     def _publish(self, now: float, output: CycleOutput, goal: NavigationGoal | None, answer: PlanResult | None) -> None:
         if goal is None:
@@ -364,7 +341,7 @@ class PlanAndFollowPath(Module):
             self.twist.publish(Twist(now, step.linear_mps, step.angular_radps, step.lateral_mps))
             self._periods.commanded(self.clock.now())
         if answer is not None and answer.changed:
-            self._plan = answer.plan
+            self._planner.plan = answer.plan
             self._publish_path(now, answer.plan.poses)
         self._status_publisher.update(
             NavigationStatus(
@@ -381,8 +358,8 @@ class PlanAndFollowPath(Module):
             )
         )
         if goal is None:
-            self._planned = None
-            self._clear_path(now)
+            if self._planner.drop():
+                self._publish_path(now, np.empty((0, 3)))
         elif output.step.state == "arrived":
             self._arrived(goal, output.step.reason)
         if output.around is not None and self.costmap.wanted and now - self._costmap_at >= _COSTMAP_S - 1e-6:
@@ -398,37 +375,16 @@ class PlanAndFollowPath(Module):
         period_s = self._periods.longest_s
         self._status_publisher.update(NavigationStatus(now, self.name, state, problem, end, period_s=period_s))
 
-    def _clear_path(self, now: float) -> None:
-        if self._plan is not None:
-            self._plan = None
-            self._publish_path(now, np.empty((0, 3)))
-
     def _publish_path(self, now: float, poses: Any) -> None:
         self.path.publish(PlannedPath(now, "map", read_only(np.array(poses, dtype=np.float64).reshape(-1, 3))))
 
     # --- planning, in the second thread ---
 
     def _plan_if_wanted(self, now: float, goal: NavigationGoal, output: CycleOutput) -> None:
-        if self._planning is not None:
-            return
-        last, end = self._planned, self._end_of(goal)
-        if last is None or last.goal is not goal:
-            last, self._plan = None, None
-        localization, grid = self._poses.localization, self._grid
-        why = why_plan(
-            now,
-            end,
-            last,
-            None if localization is None else localization.X_MO,
-            wanted=output.step.replan or self._wanted_plan,
-            is_following=self._plan is not None and len(self._plan.poses) > 0 and output.step.state == "following",
-            period_s=self.settings.replan_s,
-            blocked_period_s=self.settings.blocked_replan_s,
-        )
-        if why is None:
-            return
-        X_MB = self._poses.X_MB(now)
-        if localization is None or grid is None or X_MB is None:
+        localization, grid, end = self._poses.localization, self._grid, self._end_of(goal)
+        X_MO, X_MB = self._poses.X_MO, self._poses.X_MB(now)
+        why = self._planner.due(now, goal, end, X_MO, output.step)
+        if why is None or localization is None or grid is None or X_MB is None:
             return
         request = PlanRequest(
             grid,
@@ -438,27 +394,13 @@ class PlanAndFollowPath(Module):
             goal=end,
             around=output.around,
             opened_up=output.opened_up,
-            kept=self._plan,
+            kept=self._planner.plan,
             why=why,
             footprint=output.footprint,
             persistent_obstacles=output.persistent_obstacles,
             tolerance_m=goal.tolerance_m if self.settings.taken_s else math.inf,
         )
-        self._planned = Planned(now, goal, end, localization.X_MO)
-        self._wanted_plan = ""
-        finding = self.compute_background(self._global_planner.find, request)
-        self._planning = asyncio.create_task(finding, name=f"{self.name} plans")
-        self._planning.add_done_callback(self._take_plan)
-
-    def _take_plan(self, task: asyncio.Task[PlanResult]) -> None:
-        self._planning = None
-        if task.cancelled():
-            return
-        error = task.exception()
-        if isinstance(error, Exception):
-            self.fail(error)
-        elif error is None:
-            self._answer = task.result()
+        self._planner.begin(now, goal, request)
 
 
 def _speeds(answer: PlanResult, speed_mps: float) -> Any:

@@ -30,7 +30,7 @@ from __future__ import annotations
 
 import asyncio
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -58,9 +58,10 @@ from app.messages import (
 from app.modules.perception.pose_at import PoseAt
 from app.modules.perception.slam.initial_map import LastPublished, RestartState, choose_initial_map
 from app.modules.perception.slam.keyframe_view import KeyframePublisher
-from app.modules.perception.slam.localization_quality import FITS_NOT, FitMonitor, empty_grid, spread_of
+from app.modules.perception.slam.localization_quality import empty_grid
 from app.modules.perception.slam.map_server import SlamMapServer
 from app.modules.perception.slam.optimizer import OptimizerProcess
+from app.modules.perception.slam.relocalizer import Relocalizer
 from app.modules.perception.working_conditions import ConfidenceReporter, returns_confidence
 from app.runtime.module import Module, ModuleContext, Settings
 from app.runtime.ports import Output
@@ -68,21 +69,15 @@ from app.runtime.ports import Output
 if TYPE_CHECKING:  # kernels are compiled or loaded on import, in the module's thread
     from app.modules.perception.slam.map_rendering import ExtraView
     from app.modules.perception.slam.map_session import MapSession, ScanResult, StoredMap
-    from app.modules.perception.slam.relocalization import PoseHypothesis, PoseSearch
     from app.modules.perception.slam.types import Match
 
 M = TypeVar("M", bound=Message)
 
-#: Number of consecutive misfitting scans that odometry bridges on a growing map, whatever their time ...
-_LEAST_MISFITS = 3
-#: ... and inlier share from which the map grows again: long walls are similar, and errors stay on the map.
-_SURE = 0.8
 #: Number of edges from which the correction runs in another process: it holds the interpreter's lock for about 0.05 ms
 #: per edge.
 _LEAST_EDGES = 400
 #: Time (s) between two places of a lost robot on a growing map by landmarks: scans must have time to fit.
 _PLACE_AGAIN_S = 5.0
-_MOST_SUGGESTED = 8
 #: Time (s) a scan waits for odometry of its stamp.
 _PATIENCE_S = 0.2
 
@@ -123,14 +118,12 @@ class SLAM2D(Module):
         self.map_name = ""
         self.known_zones: tuple[Zone, ...] = ()
         self._published: Localization | None = None
-        self._fits = FitMonitor(self.settings.lost_after_s, self.settings.sure_after_s)
-        #: Relocalization: requested, running, and its hypotheses.
-        self._search_due = False
-        self._search: PoseSearch | None = None
-        self._hypotheses: tuple[PoseHypothesis, ...] = ()
-        self._search_scan: tuple[LaserScan, Pose2] | None = None
-        #: Poses X_MO by landmarks for the search, and the stamp of the last one at which a lost robot was placed.
-        self._suggested: list[Pose2] = []
+        self._relocalizer = Relocalizer(
+            lost_after_s=self.settings.lost_after_s,
+            search_after_s=self.settings.search_after_s,
+            sure_after_s=self.settings.sure_after_s,
+        )
+        #: Stamp at which a lost robot was placed by a landmark last.
         self._placed_at = -math.inf
         #: For the second thread: loops to close, views to draw, the drawn version.
         self._followed: ScanResult | None = None
@@ -149,7 +142,7 @@ class SLAM2D(Module):
         self.localization = self.output("localization", Localization)
         self.map = self.output("map", OccupancyGrid)
         self.zones = self.output("zones", Zones)
-        self.landmark_poses = self.input("landmark_poses", LandmarkPose, capacity=_MOST_SUGGESTED, wants="never")
+        self.landmark_poses = self.input("landmark_poses", LandmarkPose, capacity=8, wants="never")
         self.keyframes = self.output("keyframes", Keyframes)
         self.confidence = self.output("confidence", Confidence)
         self._works = ConfidenceReporter(self.confidence)
@@ -196,20 +189,20 @@ class SLAM2D(Module):
         session = self._session
         if X_OB is None or session is None:
             return
-        if self._search is not None:
-            self._search_scan = scan, X_OB
+        if self._relocalizer.running:
+            self._relocalizer.offer(scan, X_OB)
             self._wake.set()
         odometry = self._odometry
         twist = (0.0, 0.0, 0.0)
         if odometry is not None:
             twist = (odometry.linear_mps, odometry.angular_radps, odometry.lateral_mps)
-        maps = self._mapping and not self._fits.lost and self._search is None and not self._search_due
+        maps = self._mapping and not self._relocalizer.doubtful
         followed = await self.compute(session.follow, scan, X_OB, twist, maps, self._rays)
         if session is not self._session:
             return
         if followed is not None:
             self._take(session, followed)
-        if followed is None or self._search is not None:
+        if followed is None or self._relocalizer.running:
             self._publish_search(scan.stamp, X_OB)
         else:
             match, state = followed.match, self._state(session, followed.match)
@@ -234,37 +227,22 @@ class SLAM2D(Module):
             self._extra_views.append(followed.extra_view)
         match = followed.match
         self._keyframes.take(followed.keyframes, match.keyframe, followed.removed)
-        if session.grows:
-            self._fits.see(match.stamp, match.inliers, match.matched, _SURE, _LEAST_MISFITS)
-        else:
-            self._fits.see(match.stamp, match.inliers, match.inliers >= FITS_NOT)
-        if self._search is not None and not self._fits.lost:
+        if self._relocalizer.see(match, session.grows):
             self.log.info("the robot is where it was thought to be, after all")
-            self._end_search()
 
     def _state(self, session: MapSession, match: Match) -> str:
-        unfit_s = self._fits.unfit_s(match.stamp)
-        if unfit_s > self.settings.search_after_s and not session.grows and not self._search_due:
+        if not session.grows and self._relocalizer.search_needed(match.stamp):
             self.log.warning("scans do not fit the map where the robot should be: relocalization starts")
-            self._search_due = True
+            self._relocalizer.request()
             self._wake.set()
-        if self._fits.lost:
+        if self._relocalizer.lost:
             return "lost"
         return "mapping" if session.grows and self._mapping else "tracking"
 
     def _publish_search(self, stamp: float, X_OB: Pose2) -> None:
-        """Publish that relocalization is running, with its likeliest hypothesis."""
         grid = None if self._session is None else self._session.grid
-        best = self._hypotheses[0] if self._hypotheses else None
         last = Pose2() if self._published is None else self._published.X_MO
-        X_MO = last if best is None else best.X_MO
-        overlap = 0.0 if best is None else max(0.0, best.score)
-        covariance = spread_of([place.X_MO @ X_OB for place in self._hypotheses], grid)
-        self._publish(
-            Localization(
-                stamp, X_MO, X_MB=X_MO @ X_OB, covariance=covariance, state="searching", overlap=overlap, map=""
-            )
-        )
+        self._publish(self._relocalizer.localization(stamp, X_OB, last, grid))
 
     def _publish(self, place: Localization) -> None:
         covariance = read_only(np.array(place.covariance, np.float64))
@@ -275,21 +253,16 @@ class SLAM2D(Module):
     async def _take_landmark_pose(self, by: LandmarkPose) -> None:
         """Take a pose by a landmark for a hypothesis; while scans fit, for nothing."""
         session = self._session
-        if session is None or not (self._fits.lost or self._search is not None or self._search_due):
+        if session is None or not self._relocalizer.doubtful:
             return
         if not session.grows:
-            self._suggested = [*self._suggested[1 - _MOST_SUGGESTED :], by.X_MO]
+            self._relocalizer.suggest(by.X_MO)
         elif by.stamp - self._placed_at >= _PLACE_AGAIN_S:
             self._placed_at = by.stamp
             self.log.info("the robot is lost, and placed by the landmark %r: scans have to bear it out", by.text)
             await self.compute(session.place, by.X_MO)
             if session is self._session:
                 self.placed()
-
-    def _end_search(self) -> None:
-        self._search, self._search_scan, self._hypotheses, self._search_due = None, None, (), False
-        self._suggested = []
-        self._fits.begin()
 
     # --- Behind ----------------------------------------------------------------------------------------------------
 
@@ -313,24 +286,24 @@ class SLAM2D(Module):
 
     async def _look(self, session: MapSession) -> None:
         """Start relocalization, or continue it with the newest scan."""
-        if self._search_due and self._search is None:
+        relocalizer = self._relocalizer
+        if relocalizer.due:
             search = await self.compute_background(session.begin_search)
-            if session is self._session and self._search_due:
-                self._search, self._search_due = search, False
-        search, sighting, self._search_scan = self._search, self._search_scan, None
-        if search is None or sighting is None:
+            if session is self._session and relocalizer.due:
+                relocalizer.begin(search)
+        step = relocalizer.next_step()
+        if step is None:
             return
-        suggested, self._suggested = self._suggested, []
-        X_MO, hypotheses = await self.compute_background(_looked, search, *sighting, suggested)
-        if search is not self._search:
+        X_MO, hypotheses = await self.compute_background(step.run)
+        if not relocalizer.belongs(step):
             return
-        self._hypotheses = hypotheses
+        relocalizer.take(hypotheses)
         if X_MO is not None:
-            at = X_MO @ sighting[1]
+            at = X_MO @ step.X_OB
             self.log.info("the robot found itself at x %.2f m, y %.2f m on the map", at.x, at.y)
             await self.compute(session.place, X_MO)
-            if search is self._search:
-                self._end_search()
+            if relocalizer.belongs(step):
+                relocalizer.end()
 
     async def _close_loops(self, session: MapSession) -> None:
         followed, self._followed = self._followed, None
@@ -408,7 +381,7 @@ class SLAM2D(Module):
             Localization(now, last, last @ self.X_OB, np.zeros((3, 3)), state="searching", overlap=0.0, map=name)
         )
         self.mark(zones)
-        self._end_search()
+        self._relocalizer.end()
         if session.lost:
             self.search()
             self._publish_search(now, self.X_OB)
@@ -419,13 +392,12 @@ class SLAM2D(Module):
 
     def placed(self) -> None:
         """The pose was set: end the relocalization."""
-        self._end_search()
         # A person's pose may be wrong: the map does not grow and the pose is not used for driving until scans fit.
-        self._fits.begin(doubted=True)
+        self._relocalizer.end(doubted=True)
 
     def search(self) -> None:
-        self._end_search()
-        self._search_due = True
+        self._relocalizer.end()
+        self._relocalizer.request()
         self._wake.set()
 
     async def finish(self, session: MapSession) -> None:
@@ -464,11 +436,3 @@ class SLAM2D(Module):
 
 def _last(output: Output[M]) -> M | None:
     return None if output.channel is None else output.channel.latest
-
-
-def _looked(
-    search: PoseSearch, scan: LaserScan, X_OB: Pose2, suggested: Sequence[Pose2]
-) -> tuple[Pose2 | None, tuple[PoseHypothesis, ...]]:
-    from app.modules.perception.slam.map_session import look
-
-    return look(search, scan, X_OB, suggested)

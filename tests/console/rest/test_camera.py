@@ -14,9 +14,8 @@ from app.console.live.hub import Hub
 from app.console.records.camera import CameraPoint
 from app.messages import Image, Odometry, read_only
 from app.program.system import System
-from tests.console.answers import answered
+from tests.console.answers import answered, is_problem
 from tests.console.places import localization
-from tests.console.rest.test_routes import is_problem
 
 CAMERA = CameraModel.from_vertical_fov(640, 480, math.radians(43))
 #: Looks ahead, 1.2 m above the floor.

@@ -16,10 +16,9 @@ from app.console.live.hub import Hub
 from app.console.records.navigation import GivenUpModel, GoalPoseModel, NavigationModel
 from app.maps.map_service import Files, MapUnavailable
 from app.program.system import System
-from tests.console.answers import answered
+from tests.console.answers import answered, is_problem
 from tests.console.places import FakeMapServer, path, status
 from tests.console.program import Body
-from tests.console.rest.test_routes import is_problem
 from tests.patience import PATIENCE_S
 
 ANN = {"X-HBBA-Operator": "Ann"}

@@ -13,9 +13,8 @@ from app.console.records.route import RouteReport
 from app.console.rest.map_route import MOST_CORNERS, MOST_WAITING, corners
 from app.maps.map_service import MapUnavailable
 from app.program.system import System
-from tests.console.answers import answered
+from tests.console.answers import answered, is_problem
 from tests.console.places import FakeMapServer, StraightPlanner
-from tests.console.rest.test_routes import is_problem
 
 
 @pytest.fixture

@@ -15,9 +15,8 @@ from app.console.records.maps import KeptMap, MapList
 from app.maps.library import MapLibrary
 from app.maps.map_service import Files
 from app.program.system import System
-from tests.console.answers import answered
+from tests.console.answers import answered, is_problem
 from tests.console.places import FakeMapServer, localization, zone, zones
-from tests.console.rest.test_routes import is_problem
 
 ZONE: dict[str, Any] = {"name": "a", "kind": "slow", "polygon": [[0, 0], [2, 0], [2, 1]], "speed": 0.5}
 

@@ -7,8 +7,7 @@ import httpx
 from app.memory.service import MemoryRefused, UnknownEpisode
 from app.messages import EpisodeDeed, EpisodeEvent, EpisodeReport, MemoryEvent, MemoryItem, MemoryReport
 from app.program.system import System
-from tests.console.answers import answered
-from tests.console.rest.test_routes import is_problem
+from tests.console.answers import answered, is_problem
 
 REPORT = MemoryReport(
     100.0,

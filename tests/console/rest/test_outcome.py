@@ -15,10 +15,9 @@ from app.attention.workspace import IntentionWorkspace, UnknownDesire
 from app.console.rest.outcome_waits import OutcomeWaits
 from app.messages import Accomplishment, Desire, DesireReport, Desires
 from app.program.system import System
-from tests.console.answers import answered, described
-from tests.console.program import served
+from tests.console.answers import answered, described, is_problem
+from tests.console.program import NEW, served
 from tests.console.raw import connected, request
-from tests.console.rest.test_routes import NEW, is_problem
 from tests.patience import PATIENCE_S
 
 

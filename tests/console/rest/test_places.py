@@ -15,9 +15,8 @@ from app.base.geometry import Pose2
 from app.console.records.places import PlaceList, PlaceReport
 from app.messages import Landmark, Landmarks, Odometry, Place
 from app.program.system import System
-from tests.console.answers import answered
+from tests.console.answers import answered, is_problem
 from tests.console.places import FakeMapServer, grid, localization, zone, zones
-from tests.console.rest.test_routes import is_problem
 
 DOCK: dict[str, Any] = {"name": "Dock", "pose": {"x": 0.2, "y": -1, "heading": 1.5}}
 

@@ -14,9 +14,8 @@ from fastapi import FastAPI
 from app.attention.desires import Desire, Source
 from app.console.records.recordings import RecordingList
 from app.program.system import System
-from tests.console.answers import answered
+from tests.console.answers import answered, is_problem
 from tests.console.program import Body, build
-from tests.console.rest.test_routes import is_problem
 from tests.console.scripted_recorder import LENGTH_S, ScriptedRecorder, heard, write_log
 from tests.patience import PATIENCE_S
 

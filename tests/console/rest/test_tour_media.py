@@ -19,10 +19,9 @@ from app.console.app import create_app
 from app.console.records.tours import TourMedia, TourMediaList
 from app.program.system import System
 from app.tours import media_content
-from tests.console.answers import answered
+from tests.console.answers import answered, is_problem
 from tests.console.program import served
 from tests.console.raw import connected, request
-from tests.console.rest.test_routes import is_problem
 from tests.patience import PATIENCE_S
 from tests.tours.media_files import box, mp4, picture, showing
 from tests.tours.tours import ARM, tour_data

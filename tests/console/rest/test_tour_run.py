@@ -15,9 +15,8 @@ from app.console.records.tours import RunReportList, TourRunReport
 from app.messages import TourFailure
 from app.program.system import System
 from app.tours.run_report import COLUMNS, RunReport, StopReport
-from tests.console.answers import answered
+from tests.console.answers import answered, is_problem
 from tests.console.places import FakeMapServer, grid
-from tests.console.rest.test_routes import is_problem
 from tests.tours.tours import ARM, tour_data
 
 #: A tour that asks visitors, and waits long for their answer.

@@ -17,8 +17,7 @@ from app.console.records.tours import TourList, TourReport, TourVerdict
 from app.messages import Place
 from app.program.system import System
 from app.tours.tour_file import MOST_BYTES
-from tests.console.answers import answered
-from tests.console.rest.test_routes import is_problem
+from tests.console.answers import answered, is_problem
 from tests.maps.grids import room
 from tests.tours.tours import ARM, tour_data
 

@@ -21,10 +21,9 @@ from app.console.rest.visitor import PRESSES_AT_ONCE
 from app.messages import Speech
 from app.program.system import System
 from app.tours import media_content
-from tests.console.answers import answered
+from tests.console.answers import answered, is_problem
 from tests.console.live.test_asyncapi import check
 from tests.console.program import served
-from tests.console.rest.test_routes import is_problem
 from tests.console.rest.test_tour_run import TOUR, there
 from tests.patience import PATIENCE_S
 from tests.tours.tours import ARM

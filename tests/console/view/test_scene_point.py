@@ -14,10 +14,9 @@ from app.base.geometry import Pose2
 from app.console.records.program import ScenePoint
 from app.messages import Landmark, Landmarks, Odometry
 from app.program.system import System
-from tests.console.answers import answered
+from tests.console.answers import answered, is_problem
 from tests.console.places import localization
 from tests.console.program import Body
-from tests.console.rest.test_routes import is_problem
 from tests.console.view.test_relay import CAMERA, looking, pack
 from tests.patience import PATIENCE_S
 

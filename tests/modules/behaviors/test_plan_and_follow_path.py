@@ -477,8 +477,9 @@ async def test_what_the_camera_sees_of_its_own_arm_is_left_out() -> None:
         drive.bench.feed("joints", JointState(stamp, tuple(raised), tuple(raised.values())))
         await drive.bench.settle()
         drive.bench.feed("images", image)
-        await until(drive.bench, lambda: drive.module._image is not None, 5.0)
-        taken = drive.module._image
+        readings = drive.module._readings
+        await until(drive.bench, lambda: readings.image is not None, 5.0)
+        taken = readings.image
         assert taken is not None
         assert taken.depth is not None
         assert not taken.depth[22:26, 30:34].any()

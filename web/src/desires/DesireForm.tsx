@@ -3,7 +3,8 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { fromRobot, t } from "../i18n";
-import { idempotencyKey, Problem } from "../protocol/rest";
+import { Problem } from "../protocol/problem";
+import { idempotencyKey } from "../protocol/requests";
 import type { DesireClass } from "../protocol/types";
 import { useApp } from "../state/context";
 import { nameAndTitle, spaced } from "../ui/format";

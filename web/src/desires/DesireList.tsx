@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { fromRobot, named, t } from "../i18n";
-import { inWords } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
 import type { Accomplishment, Desire, DesireProgress, DesireReport, Source } from "../protocol/types";
 import { useApp } from "../state/context";
 import { ago, clockSpan, clockTime, number, left as remaining, spaced } from "../ui/format";

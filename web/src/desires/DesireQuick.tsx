@@ -3,7 +3,8 @@
 import { useSignal } from "@preact/signals";
 import { useRef } from "preact/hooks";
 import { t } from "../i18n";
-import { idempotencyKey, inWords } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
+import { idempotencyKey } from "../protocol/requests";
 import { useApp } from "../state/context";
 import { spaced } from "../ui/format";
 import { PlusIcon } from "../ui/icons";

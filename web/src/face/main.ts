@@ -1,7 +1,9 @@
 /** The robot's face, for a screen of its own: drawn from the joints of the stream of the face, with subtitles. */
 
 import { LiveConnection } from "../protocol/live";
-import { Problem, Rest } from "../protocol/rest";
+import { Problem } from "../protocol/problem";
+import { Requests } from "../protocol/requests";
+import { Rest } from "../protocol/rest";
 import { tokenIn } from "../protocol/token";
 import type { FromRobot } from "../protocol/types";
 import { subtitleOf } from "../speech/subtitle";
@@ -16,7 +18,7 @@ const WATCH_MS = 250;
 /** The login is asked for on the console's page; this one looks again after so long. */
 const AGAIN_MS = 5000;
 
-const rest = new Rest(() => "face");
+const rest = new Rest(new Requests(() => "face"));
 const picture = new FacePicture();
 const subtitles = document.createElement("p");
 subtitles.className = "subtitles";

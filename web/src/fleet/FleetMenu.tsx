@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect } from "preact/hooks";
 import { t } from "../i18n";
-import { inWords } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
 import type { FleetRobot } from "../protocol/types";
 import { useApp } from "../state/context";
 import { usePopup } from "../ui/usePopup";

@@ -53,6 +53,10 @@ test("repeats of one kind and subject are one mark, others between them or not",
   expect(marks[0]).toMatchObject({ from: 1, to: 4, text: "imv at 4" });
 });
 
+test("of the guard, the mark says the state that it is in", () => {
+  expect(folded([event("guard", "stale_command", 1)], 5).map(foldedWords)).toEqual(["guard: stale command"]);
+});
+
 test("a class is idle from the end of its last spell on", () => {
   const spells = [
     { from: 1, to: 3 },

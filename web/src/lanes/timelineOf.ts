@@ -93,9 +93,9 @@ export function folded(events: readonly RobotEvent[], apart: number): Folded[] {
   return found;
 }
 
-/** "imv stale 12×". */
+/** "imv stale 12×", "guard: driving": of the guard, the state is the event's subject. */
 export function foldedWords({ kind, subject, count }: Folded): string {
-  const both = `${subject} ${kind}`;
+  const both = kind === "guard" ? `guard: ${subject}` : `${subject} ${kind}`;
   const words = langOf(both) === undefined ? fromRobot(both) : `${named(subject)} ${named(kind)}`;
-  return `${words}${count > 1 ? ` ${count}×` : ""}`;
+  return `${words.replaceAll("_", " ")}${count > 1 ? ` ${count}×` : ""}`;
 }

@@ -1,6 +1,7 @@
 import { signal } from "@preact/signals";
 import { afterEach, beforeEach, describe, expect, test, vi } from "vitest";
-import { Problem, type Rest } from "../protocol/rest";
+import { Problem } from "../protocol/problem";
+import type { Rest } from "../protocol/rest";
 import type { Hello, KeptMaps } from "../protocol/types";
 import type { Message } from "../state/latest";
 import { createStore } from "../state/store";

@@ -2,7 +2,8 @@
 
 import { batch, computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { t } from "../i18n";
-import { inWords, type Rest } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
+import type { Rest } from "../protocol/rest";
 import type { KeptMaps, PoseReport } from "../protocol/types";
 import type { Store } from "../state/store";
 

@@ -3,7 +3,7 @@
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { typesText } from "../drive/driveController";
 import { t } from "../i18n";
-import { inWords } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
 import type { Desire, GoalRequest, LocalizationReport, PoseReport, Zone } from "../protocol/types";
 import type { Session } from "../state/session";
 import type { MapPlace, Store } from "../state/store";

@@ -1,5 +1,6 @@
 import { expect, test, vi } from "vitest";
-import { Problem, type Rest } from "../protocol/rest";
+import { Problem } from "../protocol/problem";
+import type { Rest } from "../protocol/rest";
 import type { Landmark, Place } from "../protocol/types";
 import { createStore } from "../state/store";
 import { PlaceControl, placeNameProblem, placeOf, posterLack } from "./placeControl";

@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { fromRobot, plural, t } from "../i18n";
 import { Confirm } from "../map/Confirm";
-import { inWords } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
 import type { EpisodeSummary, MemoryState } from "../protocol/types";
 import { useApp } from "../state/context";
 import type { Message } from "../state/latest";

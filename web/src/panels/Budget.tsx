@@ -2,7 +2,7 @@
 
 import { useSignal } from "@preact/signals";
 import { named, t } from "../i18n";
-import { inWords } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
 import type { Intention } from "../protocol/types";
 import { useApp } from "../state/context";
 import { number } from "../ui/format";

@@ -2,7 +2,7 @@
 
 import { signal } from "@preact/signals";
 import { t } from "../i18n";
-import { inWords } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
 import type { LinkReport } from "../protocol/types";
 import { useApp } from "../state/context";
 

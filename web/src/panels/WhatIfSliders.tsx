@@ -3,7 +3,8 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useId, useRef } from "preact/hooks";
 import { named, t } from "../i18n";
-import { idempotencyKey, inWords } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
+import { idempotencyKey } from "../protocol/requests";
 import type { Intention } from "../protocol/types";
 import { useApp } from "../state/context";
 import { number, spaced } from "../ui/format";

@@ -1,7 +1,8 @@
 /** Plays, pauses and moves the recording that the page shows: buttons and keys in, REST out. */
 
 import { signal } from "@preact/signals";
-import { inWords, type Rest } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
+import type { Rest } from "../protocol/rest";
 import type { Playback } from "../protocol/types";
 import type { Store } from "../state/store";
 import { type Action, actionOf, type Key, target } from "./transport";

@@ -6,7 +6,7 @@ export const CAMERA = 1;
 export const PANORAMA = 2;
 export const MAP = 3;
 export const COSTMAP = 4;
-const HEADER_BYTES = 24;
+export const HEADER_BYTES = 24;
 
 /** A JPEG or PNG; VP9 that begins afresh; VP9 that needs those before it. */
 export const FILE = 0;

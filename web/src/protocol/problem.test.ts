@@ -1,8 +1,7 @@
 import { afterEach, beforeEach, expect, test } from "vitest";
 import { fr, robot } from "../i18n/fr";
 import { shown } from "../i18n/text";
-import { readProblem } from "./problem";
-import { inWords } from "./rest";
+import { inWords, Problem, readProblem } from "./problem";
 
 const ENGLISH = shown.peek();
 const MESSAGE = "should be greater than 0, not -1.5";
@@ -75,4 +74,17 @@ test("where one fault has no rule, the program's detail stays beside it", async 
   expect(problem.detail).toContain("greater than");
   expect(problem.errors[1]).toEqual(other);
   expect((await refused({ ...RULE, kind: "of_tomorrow" })).errors[0]!.message).toBe(MESSAGE);
+});
+
+test("a refusal shows its reason, and its fields where the reason does not name them", () => {
+  shown.value = ENGLISH;
+  expect(inWords(new Problem(409, "Recording exists", "there is a recording called a already."))).toBe(
+    "There is a recording called a already.",
+  );
+  expect(inWords(new Problem(404, "Not found", ""))).toBe("Not found.");
+  const errors = [{ field: "name", message: "too long" }];
+  expect(inWords(new Problem(422, "Invalid", "The request cannot be taken.", errors))).toBe(
+    "The request cannot be taken. Too long.",
+  );
+  expect(inWords(new Problem(422, "Invalid", "The name is too long.", errors))).toBe("The name is too long.");
 });

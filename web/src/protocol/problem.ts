@@ -1,6 +1,7 @@
 /** Refusals of the robot (RFC 9457). */
 
 import { type FieldFault, faultWords, saysRule, t } from "../i18n";
+import { sentence } from "../ui/format";
 
 export interface FieldError {
   field: string;
@@ -34,4 +35,12 @@ export async function readProblem(response: Response): Promise<Problem> {
       ? errors.map(({ field, message }) => t("{what}: {which}", { what: field, which: message })).join("; ")
       : said;
   return new Problem(response.status, title, detail, errors);
+}
+
+/** A refusal in one line: why, and what is wrong with each field that the reason does not name. */
+export function inWords(error: unknown): string {
+  if (!(error instanceof Problem)) return String(error);
+  const why = error.detail || error.title;
+  const fields = error.errors.map((each) => each.message).filter((message) => !why.includes(message));
+  return [why, ...fields].map(sentence).join(" ");
 }

@@ -1,5 +1,6 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { Problem, type Rest } from "../protocol/rest";
+import { Problem } from "../protocol/problem";
+import type { Rest } from "../protocol/rest";
 import type { Message } from "../state/latest";
 import { createStore } from "../state/store";
 import { RecordingControl } from "./recordingControl";

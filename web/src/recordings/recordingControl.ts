@@ -2,7 +2,8 @@
 
 import { effect, signal } from "@preact/signals";
 import { t } from "../i18n";
-import { inWords, type Rest } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
+import type { Rest } from "../protocol/rest";
 import type { Recorder } from "../protocol/types";
 import type { Store } from "../state/store";
 import { sentence } from "../ui/format";

@@ -2,7 +2,8 @@
 
 import { useSignal } from "@preact/signals";
 import { named, t } from "../i18n";
-import { idempotencyKey, inWords } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
+import { idempotencyKey } from "../protocol/requests";
 import type { NewDesire } from "../protocol/types";
 import { useApp } from "../state/context";
 import { SpeechIcon } from "../ui/icons";

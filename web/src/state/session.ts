@@ -4,8 +4,11 @@ import { batch } from "@preact/signals";
 import type { StopOrder } from "../drive/stopWorker";
 import { t } from "../i18n";
 import { LiveConnection } from "../protocol/live";
-import { Problem, Rest } from "../protocol/rest";
+import { Problem } from "../protocol/problem";
+import { Requests } from "../protocol/requests";
+import { Rest } from "../protocol/rest";
 import { tokenIn } from "../protocol/token";
+import { TourRest } from "../protocol/tourRest";
 import type { FromRobot, Hello, Playback, ToRobot } from "../protocol/types";
 import { isFresh } from "./freshness";
 import type { Message, MessageType } from "./latest";
@@ -21,6 +24,7 @@ const AGAIN_MS = 1500;
 
 export class Session {
   readonly rest: Rest;
+  readonly tourRest: TourRest;
   /** Called with each binary frame of a kind, at arrival. */
   readonly onBinary = new Map<number, (frame: ArrayBuffer) => void>();
   /** Called at every chance the page gets: each turn, each message. Timers starve first when it is busy drawing. */
@@ -47,7 +51,9 @@ export class Session {
     private readonly store: Store,
     private readonly orderStop: (order: StopOrder) => void = () => undefined,
   ) {
-    this.rest = new Rest(() => store.operator.value);
+    const requests = new Requests(() => store.operator.value);
+    this.rest = new Rest(requests);
+    this.tourRest = new TourRest(requests);
     this.live = new LiveConnection(() => liveAddress(store.operator.value), {
       opened: () => this.opened(),
       message: (message) => this.receive(message),

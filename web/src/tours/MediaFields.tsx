@@ -111,7 +111,7 @@ export function MediaFields({ file, onDone }: Props) {
         </ul>
       )}
       {there && (
-        <a class="small" href={session.rest.tourMediaFile(file)} target="_blank" rel="noreferrer">
+        <a class="small" href={session.tourRest.tourMediaFile(file)} target="_blank" rel="noreferrer">
           {t("Open it whole")}
         </a>
       )}
@@ -161,7 +161,7 @@ function Row({ media, chosen, onChoose }: { media: TourMedia; chosen: boolean; o
 function Thumbnail({ file, testid, controls = false }: { file: string; testid?: string; controls?: boolean }) {
   const { session } = useApp();
   const bad = useSignal(false);
-  const address = session.rest.tourMediaFile(file);
+  const address = session.tourRest.tourMediaFile(file);
   if (bad.value) return <span class="muted small">{t("This browser cannot show {file}.", { file })}</span>;
   const shared = { "data-testid": testid, src: address, onError: () => (bad.value = true) };
   return VIDEO.test(file) ? (

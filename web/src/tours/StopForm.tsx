@@ -135,7 +135,11 @@ export function StopForm({ stop, number }: { stop: Stop; number: number }) {
           onDone={(poster) => set({ poster: poster.trim() || null })}
         />
         {stop.poster !== null && (
-          <a class="button small" href={session.rest.posters(tour.id, "a4", stop.id)} download={`${stop.id}-a4.pdf`}>
+          <a
+            class="button small"
+            href={session.tourRest.posters(tour.id, "a4", stop.id)}
+            download={`${stop.id}-a4.pdf`}
+          >
             {t("Its poster, A4")}
           </a>
         )}

@@ -172,21 +172,21 @@ function Files() {
         <>
           <a
             class="button small"
-            href={session.rest.posters(id, "a4")}
+            href={session.tourRest.posters(id, "a4")}
             download={`${id}-a4.pdf`}
             data-testid="tour-posters"
           >
             {t("Posters, A4")}
           </a>
-          <a class="button small" href={session.rest.posters(id, "letter")} download={`${id}-letter.pdf`}>
+          <a class="button small" href={session.tourRest.posters(id, "letter")} download={`${id}-letter.pdf`}>
             {t("Posters, Letter")}
           </a>
         </>
       )}
-      <a class="button small" href={session.rest.tourFile(id)} download={`${id}.yaml`} data-testid="tour-export">
+      <a class="button small" href={session.tourRest.tourFile(id)} download={`${id}.yaml`} data-testid="tour-export">
         {t("File (YAML)")}
       </a>
-      <a class="button small" href={session.rest.tourArchive(id)} download={`${id}.zip`} data-testid="tour-archive">
+      <a class="button small" href={session.tourRest.tourArchive(id)} download={`${id}.zip`} data-testid="tour-archive">
         {t("With pictures (ZIP)")}
       </a>
       {!shipped && (

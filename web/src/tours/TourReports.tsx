@@ -21,7 +21,12 @@ export function TourReports() {
     <section class="card" aria-label={t("Reports on tours")} data-testid="tour-reports">
       <h2 class="card-head">
         {t("Reports")} <span class="count">{reports.length}</span>
-        <a class="button small quiet" data-testid="tour-reports-csv" href={session.rest.tourReportsTable()} download>
+        <a
+          class="button small quiet"
+          data-testid="tour-reports-csv"
+          href={session.tourRest.tourReportsTable()}
+          download
+        >
           {t("As a table (CSV)")}
         </a>
       </h2>

@@ -1,5 +1,6 @@
 import { expect, test, vi } from "vitest";
-import { Problem, type Rest } from "../protocol/rest";
+import { Problem } from "../protocol/problem";
+import type { TourRest } from "../protocol/tourRest";
 import type { TourMedia } from "../protocol/types";
 import { MediaControl } from "./mediaControl";
 
@@ -23,7 +24,7 @@ function setup() {
     }),
     deleteTourMedia: vi.fn(async (_: string) => {}),
   };
-  return { rest, media: new MediaControl(rest as unknown as Rest) };
+  return { rest, media: new MediaControl(rest as unknown as TourRest) };
 }
 
 test("a file is handed in, with how far it is", async () => {

@@ -2,7 +2,8 @@
 
 import { type ReadonlySignal, signal } from "@preact/signals";
 import { t } from "../i18n";
-import { inWords, type Rest } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
+import type { TourRest } from "../protocol/tourRest";
 import type { TourMedia, TourMediaList } from "../protocol/types";
 
 /** What a browser offers to choose; what is in a file, the robot looks at. */
@@ -26,7 +27,7 @@ export class MediaControl {
   readonly refusal: ReadonlySignal<string> = this.said;
   private stop = new AbortController();
 
-  constructor(private readonly rest: Rest) {}
+  constructor(private readonly rest: TourRest) {}
 
   async refresh(): Promise<void> {
     try {

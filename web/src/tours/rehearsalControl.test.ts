@@ -1,6 +1,7 @@
 import { signal } from "@preact/signals";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { Problem, type Rest } from "../protocol/rest";
+import { Problem } from "../protocol/problem";
+import type { TourRest } from "../protocol/tourRest";
 import { createStore } from "../state/store";
 import { RehearsalControl } from "./rehearsalControl";
 import { TourControl } from "./tourControl";
@@ -13,7 +14,7 @@ function page() {
     rehearsal: vi.fn(async () => aRehearsalReport({ seconds: 10 })),
     cancelRehearsal: vi.fn(async () => undefined),
   };
-  const rest = asked as unknown as Rest;
+  const rest = asked as unknown as TourRest;
   const tours = new TourControl(createStore(), rest, signal(true));
   tours.draft.value = aTour([aStop("arm")]);
   tours.kept.value = {

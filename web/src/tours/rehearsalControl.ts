@@ -1,7 +1,8 @@
 /** Has the open tour rehearsed, and plays what came of it on the map. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
-import { inWords, type Rest } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
+import type { TourRest } from "../protocol/tourRest";
 import type { Rehearsal, RehearsalReport } from "../protocol/types";
 import { markAt, type RehearsedMark, speedOf } from "./rehearsalPlay";
 import type { TourControl } from "./tourControl";
@@ -22,7 +23,7 @@ export class RehearsalControl {
   readonly mark: ReadonlySignal<RehearsedMark | null>;
 
   constructor(
-    private readonly rest: Rest,
+    private readonly rest: TourRest,
     private readonly tours: TourControl,
   ) {
     this.result = computed(() => {

@@ -1,6 +1,7 @@
 import { signal } from "@preact/signals";
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
-import { Problem, type Rest } from "../protocol/rest";
+import { Problem } from "../protocol/problem";
+import type { Rest } from "../protocol/rest";
 import type { Place, RouteReport, Tour } from "../protocol/types";
 import { RouteControl } from "./routeControl";
 import { aStop, aTour } from "./tours.fixture";

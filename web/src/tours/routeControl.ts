@@ -2,7 +2,8 @@
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { t } from "../i18n";
-import { inWords, Problem, type Rest } from "../protocol/rest";
+import { inWords, Problem } from "../protocol/problem";
+import type { Rest } from "../protocol/rest";
 import type { Place, RouteReport, Tour, Zone } from "../protocol/types";
 import { equal } from "./tourMerge";
 import { type Itinerary, itinerary, type Leg, legsOf } from "./tourRoute";

@@ -1,7 +1,9 @@
 import { signal } from "@preact/signals";
 import { expect, test, vi } from "vitest";
 import { PlaceControl } from "../map/placeControl";
-import { Problem, type Rest } from "../protocol/rest";
+import { Problem } from "../protocol/problem";
+import type { Rest } from "../protocol/rest";
+import type { TourRest } from "../protocol/tourRest";
 import type { Landmark, NewPlace, Place, Tour } from "../protocol/types";
 import { createStore } from "../state/store";
 import { StopMaker } from "./stopMaker";
@@ -44,7 +46,7 @@ async function opened(refusal: Problem | null = null) {
       version++;
       return kept();
     },
-  } as unknown as Rest;
+  } as unknown as Rest & TourRest;
   const store = createStore();
   const tours = new TourControl(store, rest, signal(true));
   await tours.open("lab");

@@ -3,7 +3,8 @@
 import { signal } from "@preact/signals";
 import { t } from "../i18n";
 import { type PlaceControl, placeOf, posterLack } from "../map/placeControl";
-import { inWords, type Rest } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
+import type { Rest } from "../protocol/rest";
 import type { Landmark, NewPlace, Place } from "../protocol/types";
 import type { Store } from "../state/store";
 import type { TourControl } from "./tourControl";

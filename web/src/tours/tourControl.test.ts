@@ -1,6 +1,7 @@
 import { signal } from "@preact/signals";
 import { expect, test, vi } from "vitest";
-import { type KeptTour, Problem, type Rest } from "../protocol/rest";
+import { Problem } from "../protocol/problem";
+import type { KeptTour, TourRest } from "../protocol/tourRest";
 import type { Tour } from "../protocol/types";
 import { createStore } from "../state/store";
 import { TourControl } from "./tourControl";
@@ -17,7 +18,7 @@ class Robot {
   meanwhile: () => void = () => undefined;
   readonly sent: Tour[] = [];
 
-  get rest(): Rest {
+  get rest(): TourRest {
     const rest = {
       tour: async () => this.kept(),
       tours: async () => ({ folder: "", tours: [{ id: "lab", etag: this.etag }] }),
@@ -36,7 +37,7 @@ class Robot {
       },
       deleteTour: vi.fn(async () => undefined),
     };
-    return rest as unknown as Rest;
+    return rest as unknown as TourRest;
   }
 
   get etag(): string {

@@ -6,7 +6,8 @@
 
 import { batch, computed, effect, type ReadonlySignal, signal } from "@preact/signals";
 import { t } from "../i18n";
-import { inWords, type KeptTour, Problem, type Rest } from "../protocol/rest";
+import { inWords, Problem } from "../protocol/problem";
+import type { KeptTour, TourRest } from "../protocol/tourRest";
 import type { Tour, TourList, TourProblemReport } from "../protocol/types";
 import type { Store } from "../state/store";
 import { MediaControl } from "./mediaControl";
@@ -51,7 +52,7 @@ export class TourControl {
 
   constructor(
     private readonly store: Store,
-    private readonly rest: Rest,
+    private readonly rest: TourRest,
     /** Whether tours are looked at. */
     readonly shown: ReadonlySignal<boolean>,
   ) {
@@ -85,6 +86,11 @@ export class TourControl {
     const open = this.kept.peek();
     const listed = this.list.peek()?.tours.find(({ id }) => id === open?.tour["id"]);
     if (open && listed && listed.etag !== open.etag && !this.saving && !this.unsaved.peek()) await this.open(listed.id);
+  }
+
+  /** Ids of all tours that the robot keeps now. */
+  async ids(): Promise<string[]> {
+    return (await this.rest.tours()).tours.map(({ id }) => id);
   }
 
   async open(id: string): Promise<boolean> {

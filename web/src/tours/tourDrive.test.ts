@@ -3,7 +3,9 @@ import { expect, test, vi } from "vitest";
 import type { MapLibrary } from "../map/library";
 import type { MapControl } from "../map/mapControl";
 import { PlaceControl } from "../map/placeControl";
-import { Problem, type Rest } from "../protocol/rest";
+import { Problem } from "../protocol/problem";
+import type { Rest } from "../protocol/rest";
+import type { TourRest } from "../protocol/tourRest";
 import type { Landmark, NewPlace } from "../protocol/types";
 import { createStore } from "../state/store";
 import { TourControl } from "./tourControl";
@@ -48,7 +50,7 @@ function driving(map: string) {
     },
     addDesire: vi.fn(async () => ({})),
   };
-  const rest = asked as unknown as Rest;
+  const rest = asked as unknown as Rest & TourRest;
   const store = createStore();
   const maps = { inUse: signal(map), refresh: async () => undefined } as unknown as MapLibrary;
   const control = { desireMap: vi.fn(async () => undefined) } as unknown as MapControl;

@@ -5,7 +5,9 @@ import { t } from "../i18n";
 import type { MapLibrary } from "../map/library";
 import type { MapControl } from "../map/mapControl";
 import { type PlaceControl, placeOf } from "../map/placeControl";
-import { idempotencyKey, inWords, type Rest } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
+import { idempotencyKey } from "../protocol/requests";
+import type { Rest } from "../protocol/rest";
 import type { Store } from "../state/store";
 import { type DrivenTour, drivenOn, newDrivenTour, tourOf, without } from "./drivenTour";
 import type { TourControl } from "./tourControl";
@@ -83,7 +85,7 @@ export class TourDrive {
       }
       await this.rest.saveMap(name);
       const places = await this.placed(tour);
-      const taken = (await this.rest.tours()).tours.map(({ id }) => id);
+      const taken = await this.tours.ids();
       if (!(await this.tours.create(tourOf(tour, name, taken, places)))) {
         this.problem.value = this.tours.refusal.peek();
         return;

@@ -3,7 +3,8 @@
 import { effect, signal } from "@preact/signals";
 import { t } from "../i18n";
 import type { MapControl } from "../map/mapControl";
-import { inWords, type Rest } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
+import type { Rest } from "../protocol/rest";
 import type { ScenePoint } from "../protocol/types";
 import type { Store } from "../state/store";
 import { narrow } from "../ui/media";

@@ -1,6 +1,6 @@
 /** Which of a tour's problems are shown where; pure. */
 
-import type { FieldError } from "../protocol/rest";
+import type { FieldError } from "../protocol/problem";
 import type { TourProblemReport } from "../protocol/types";
 
 /** Problems that a refusal names: the tour is not kept as long as they are there. */

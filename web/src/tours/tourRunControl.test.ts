@@ -1,6 +1,7 @@
 import { signal } from "@preact/signals";
 import { expect, test, vi } from "vitest";
-import { Problem, type Rest } from "../protocol/rest";
+import { Problem } from "../protocol/problem";
+import type { TourRest } from "../protocol/tourRest";
 import type { Tour, TourProgress } from "../protocol/types";
 import { createStore } from "../state/store";
 import { TourControl } from "./tourControl";
@@ -26,7 +27,7 @@ async function page() {
     tourReports: vi.fn(async () => [aReport()]),
     deleteTourReport: vi.fn(async () => undefined),
   };
-  const rest = asked as unknown as Rest;
+  const rest = asked as unknown as TourRest;
   const store = createStore();
   store.link.value = { phase: "live", retryAt: 0 };
   const tours = new TourControl(store, rest, signal(true));

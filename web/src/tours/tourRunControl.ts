@@ -1,7 +1,8 @@
 /** Begins and steers the tour under way, and reads the reports of those that are over. */
 
 import { computed, effect, type ReadonlySignal, signal } from "@preact/signals";
-import { inWords, type Rest } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
+import type { TourRest } from "../protocol/tourRest";
 import type { NewTourRun, RunReport, Tour, TourPress, TourProgress, TourSummary, VisitorLink } from "../protocol/types";
 import type { Store } from "../state/store";
 import type { TourControl } from "./tourControl";
@@ -29,7 +30,7 @@ export class TourRunControl {
 
   constructor(
     store: Store,
-    private readonly rest: Rest,
+    private readonly rest: TourRest,
     private readonly tours: TourControl,
   ) {
     this.progress = computed(() => {

@@ -1,6 +1,8 @@
 /** Has the robot do a step of a tour now. */
 
-import { idempotencyKey, inWords, type Rest } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
+import { idempotencyKey } from "../protocol/requests";
+import type { Rest } from "../protocol/rest";
 import type { Step } from "../protocol/types";
 import type { Store } from "../state/store";
 import { desiresOf } from "./tryStep";

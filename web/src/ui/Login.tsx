@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { t } from "../i18n";
 import { LanguageChoice } from "../i18n/LanguageChoice";
-import { inWords } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
 import { useApp } from "../state/context";
 
 export function Login() {

@@ -1,5 +1,6 @@
 import { signal } from "@preact/signals";
 import { h } from "preact";
+import { act } from "preact/test-utils";
 import { expect, test, vi } from "vitest";
 import { createStore } from "../state/store";
 import type { PointTarget } from "../tours/tourPath";
@@ -23,7 +24,7 @@ function shown(target: PointTarget | null) {
   const page = drawn(h(Camera, null), { store, camera, tourPointing, drive, map: {}, session: {} });
   const [canvas] = page.one("camera").all();
   Object.assign(canvas!, { getBoundingClientRect: () => ({ left: 100, top: 50, width: 800, height: 480 }) });
-  return { drive, tourPointing, click: (at: object) => page.fire(canvas!, "click", at) };
+  return { camera, store, page, drive, tourPointing, click: (at: object) => page.fire(canvas!, "click", at) };
 }
 
 test("a click in the picture is the point that is waited for, as shares of the picture that is shown", async () => {
@@ -46,4 +47,15 @@ test("else the head turns there", async () => {
   await click({ clientX: 500, clientY: 290 });
   expect(drive.lookHere.mock.calls).toEqual([[10.5, 0.5, 0.5]]);
   expect(tourPointing.picture).not.toHaveBeenCalled();
+});
+
+test("in a recording that is paused, the age is that of the picture that has come last", async () => {
+  const { camera, page, store } = shown(null);
+  await act(() => {
+    store.playback.value = {} as typeof store.playback.value;
+    store.now.value = 31;
+  });
+  expect(page.one("camera-age").textContent).toBe("20.5 s old");
+  await act(() => void (camera.stamp.value = 30.9));
+  expect(page.all("camera-age")).toEqual([]);
 });

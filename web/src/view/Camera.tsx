@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { useEffect, useRef } from "preact/hooks";
 import { t } from "../i18n";
-import { inWords } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
 import { useApp } from "../state/context";
 import { reasonText } from "../ui/format";
 import { CameraIcon, CloseIcon, EnlargeIcon, FlagIcon, ShrinkIcon } from "../ui/icons";
@@ -137,11 +137,14 @@ export function Camera() {
   );
 }
 
-/** Refreshed as the robot's clock is, four times a second: digits that change with every picture could not be read. */
+/**
+ * Refreshed as the robot's clock is, four times a second: digits that change with every picture could not be read. In a
+ * recording that is paused the clock rests, and the picture of another place comes after it.
+ */
 function Age() {
   const { store, camera } = useApp();
   const now = store.now.value;
-  const stamp = camera.stamp.peek();
+  const stamp = store.replay.value ? camera.stamp.value : camera.stamp.peek();
   if (now === null || stamp === null) return null;
   const shown = pictureAge(now - stamp, store.clock.rate, store.replay.value);
   if (shown === null) return null;

@@ -36,6 +36,8 @@ export class PictureFeed {
   ) {}
 
   private jumped = 0;
+  /** Of the pictures drawn. */
+  private count = 0;
   /** The canvas is drawn to for each picture; what depends on its stamp, once a turn. */
   private readonly drawn = paced((stamp: number) => (this.stamp.value = stamp));
   private readonly calmly = atTurns((held: { picture: Picture; frame: ArrayBuffer; greeting: number }) => {
@@ -59,10 +61,11 @@ export class PictureFeed {
       if (this.kind === CAMERA) void this.tryVideo();
     });
     // A picture of before a jump stays until that of the new place comes, but not for long if none does.
+    // At a place that it was at before, the picture is the same one again.
     this.session.onJump.add(() => {
-      const before = this.stamp.peek();
+      const before = this.count;
       clearTimeout(this.jumped);
-      this.jumped = window.setTimeout(() => this.stamp.peek() === before && (this.stamp.value = null), KEPT_MS);
+      this.jumped = window.setTimeout(() => this.count === before && (this.stamp.value = null), KEPT_MS);
     });
     effect(() => {
       void this.shown.value;
@@ -130,6 +133,7 @@ export class PictureFeed {
   private async put(picture: Picture, frame: ArrayBuffer): Promise<Painted> {
     const painted = await this.paint(picture, frame);
     if (painted.drawn) {
+      this.count += 1;
       this.size = { width: picture.width, height: picture.height };
       this.shownSize.value = `${picture.width} × ${picture.height}`;
       this.coding.value = picture.coding === FILE ? "JPEG" : "VP9";

@@ -1,6 +1,6 @@
 import { signal } from "@preact/signals";
 import { beforeEach, expect, test, vi } from "vitest";
-import { Problem } from "../protocol/rest";
+import { Problem } from "../protocol/problem";
 import type { FromRobot, Landmark, SceneClick, ScenePoint } from "../protocol/types";
 import { createStore } from "../state/store";
 import type { PointTarget } from "../tours/tourPath";

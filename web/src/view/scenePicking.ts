@@ -1,7 +1,8 @@
 /** A click in the 3D view: the point of a tour's step, or what can be done with what is there. */
 
 import { signal } from "@preact/signals";
-import { inWords, type Rest } from "../protocol/rest";
+import { inWords } from "../protocol/problem";
+import type { Rest } from "../protocol/rest";
 import type { Landmark, SceneClick, ScenePoint } from "../protocol/types";
 import type { Store } from "../state/store";
 import type { TourPointing } from "../tours/tourPointing";

@@ -2,8 +2,9 @@
 
 import { render } from "preact";
 import { LiveConnection } from "../protocol/live";
-import { Rest } from "../protocol/rest";
+import { Requests } from "../protocol/requests";
 import { keyIn } from "../protocol/token";
+import { VisitorRest } from "../protocol/visitorRest";
 import { VisitorPage } from "./VisitorPage";
 import { VisitorControl } from "./visitorControl";
 import "./visitor.css";
@@ -19,6 +20,10 @@ function address(): string {
   return found.href;
 }
 
-const control = new VisitorControl(new Rest(() => "visitor"), key, (handlers) => new LiveConnection(address, handlers));
+const control = new VisitorControl(
+  new VisitorRest(new Requests(() => "visitor")),
+  key,
+  (handlers) => new LiveConnection(address, handlers),
+);
 render(<VisitorPage control={control} />, document.body);
 void control.enter();

@@ -1,7 +1,8 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 import type { LiveHandlers } from "../protocol/live";
-import { Problem, type Rest } from "../protocol/rest";
+import { Problem } from "../protocol/problem";
 import type { FromRobot } from "../protocol/types";
+import type { VisitorRest } from "../protocol/visitorRest";
 import { VisitorControl } from "./visitorControl";
 
 const OUT = new Problem(401, "Login needed", "");
@@ -21,7 +22,7 @@ function phone(key: string | null, { inside = false, there = true } = {}) {
   };
   let handlers!: LiveHandlers;
   const live = { open: vi.fn(() => handlers.opened()), close: vi.fn() };
-  const control = new VisitorControl(asked as unknown as Rest, key, (given) => {
+  const control = new VisitorControl(asked as unknown as VisitorRest, key, (given) => {
     handlers = given;
     return live;
   });

@@ -2,8 +2,9 @@
 
 import { batch, signal } from "@preact/signals";
 import type { LiveConnection } from "../protocol/live";
-import { Problem, type Rest } from "../protocol/rest";
+import { Problem } from "../protocol/problem";
 import type { FromRobot, VisitorPress, VisitorView } from "../protocol/types";
+import type { VisitorRest } from "../protocol/visitorRest";
 
 /** `over`: the link is of a run that has ended; nothing is tried any more. */
 export type Phase = "connecting" | "live" | "lost" | "over";
@@ -30,7 +31,7 @@ export class VisitorControl {
   private readonly live: Connection;
 
   constructor(
-    private readonly rest: Rest,
+    private readonly rest: VisitorRest,
     /** Of the link; null: it had none. */
     private readonly key: string | null,
     connect: (handlers: ConstructorParameters<typeof LiveConnection>[1]) => Connection,

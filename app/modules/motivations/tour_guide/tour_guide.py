@@ -36,8 +36,7 @@ from pydantic import Field
 from app.attention.desires import SCALE
 from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace
-from app.base.geometry import Pose2
-from app.maps.map_service import MapService, MapUnavailable
+from app.maps.map_service import MapService
 from app.maps.places import go_to_parameters
 from app.maps.poster_places import Poster, posters_of
 from app.messages import (
@@ -64,9 +63,8 @@ from app.modules.motivations.motivation import Motivation
 from app.modules.motivations.tour_guide.controls import buttons
 from app.modules.motivations.tour_guide.desires import GuideDesires, weights
 from app.modules.motivations.tour_guide.guided_run import GuidedRun, led_by
-from app.modules.motivations.tour_guide.kept import KeptRun, after_restart
 from app.modules.motivations.tour_guide.listening import Calls, Claps, ShownCodes, is_due, sentence_number
-from app.modules.motivations.tour_guide.perceptions import FACES, PERSONS, SLAM
+from app.modules.motivations.tour_guide.map_corrections import same_places, same_posters
 from app.modules.motivations.tour_guide.progress import (
     Asked,
     Chosen,
@@ -79,10 +77,10 @@ from app.modules.motivations.tour_guide.progress import (
     View,
 )
 from app.modules.motivations.tour_guide.progress_message import progress_message
+from app.modules.motivations.tour_guide.resumption import Resumption
 from app.modules.motivations.tour_guide.run_keeper import RunKeeper
 from app.modules.motivations.tour_guide.senses import Senses
-from app.modules.motivations.tour_guide.transitions import interrupted
-from app.modules.motivations.tour_guide.wishes import DOCK, Scene, Wish, stop_of
+from app.modules.motivations.tour_guide.wishes import DOCK, Scene, stop_of
 from app.runtime.module import ModuleContext, Settings
 from app.tours.model import Tour
 from app.tours.run_library import RunLibrary
@@ -91,10 +89,6 @@ from app.tours.run_service import TourRefused, TourRunService
 from app.tours.store import TourStore
 
 _BEAT_S = 0.2
-#: A place that moves by less (m, rad) is the same: its goal is not given again.
-_SAME_PLACE = 0.1
-#: A run that was under way waits so long (s) for map and pose, and then for visitors, before it is gone on with.
-_READY_S, _VISITORS_S = 60.0, 10.0
 _NOTHING = TourProgress(
     0.0, "", "", title={}, language="", languages=(), waits=False, state="idle", since=0.0, reason="", stop="",
     stop_title={}, number=0, stops=0, step=0, steps=0, text={}, sentence=0, shown=None, press={}, questions=(),
@@ -131,15 +125,13 @@ class TourGuide(Motivation):
         super().__init__(context)
         self._senses = senses = Senses(by_hand=self.settings.by_hand, voice=self.settings.voice)
         self._run: GuidedRun | None = None
-        self._kept: tuple[KeptRun, Tour] | None = None
+        self._resumption: Resumption | None = None
         self._events: list[Event] = []
         self._claps, self._calls = Claps(), Calls()
         self._codes = ShownCodes()
         self._places: tuple[Place, ...] | None = None
         self._posters: tuple[Poster, ...] = ()
         self._beaten: float | None = None
-        self._ready_at: float | None = None
-        self._map_taken, self._map_refused = False, ""
         self._shown = _NOTHING
         self._stack = ExitStack()
         self.on(self.input("faces", Faces, capacity=8), senses.take_percepts)
@@ -169,7 +161,8 @@ class TourGuide(Motivation):
         weight = weights(self.settings.intensity, self.settings.intensities, self.settings.utilities)
         self._desires = GuideDesires(self._workspace, self.source, weight, self.log)
         self._stack.callback(self._desires.withdraw)
-        self._kept = await self.compute_background(self._keeper.read, self.service(TourStore))
+        kept = await self.compute_background(self._keeper.read, self.service(TourStore))
+        self._resumption = None if kept is None else Resumption(*kept)
         self._stack.callback(self.service(TourRunService).attach(self))
         # So that all know that this program leads tours.
         self.output_progress.publish(replace(_NOTHING, stamp=self.clock.now()))
@@ -197,7 +190,7 @@ class TourGuide(Motivation):
 
     def start_tour(self, tour: Tour, *, language: str, waits: bool) -> None:
         """Begin ``tour``. Raises TourRefused."""
-        if self._kept is not None:
+        if self._resumption is not None:
             raise TourRefused("the tour that was under way when the program ended is being resumed; wait for that")
         if self._run is not None and self._run.progress.is_running:
             raise TourRefused(f"the tour {self._run.tour.id} is under way; end it first")
@@ -305,14 +298,14 @@ class TourGuide(Motivation):
             self._look()
 
     def _take_places(self, places: Places) -> None:
-        if self._places is not None and _same_places(self._places, places.places):
+        if self._places is not None and same_places(self._places, places.places):
             return
         self._places = places.places
         self._renew_scene()
 
     def _take_landmarks(self, landmarks: Landmarks) -> None:
         posters = posters_of(landmarks)
-        if posters is None or _same_posters(self._posters, posters):
+        if posters is None or same_posters(self._posters, posters):
             return
         self._posters = posters
         self._renew_scene()
@@ -339,12 +332,12 @@ class TourGuide(Motivation):
         while self.odometry.connected and self.odometry.subscription.waiting:
             self._senses.take_odometry(self.odometry.subscription.receive_nowait())
         now = self.clock.now()
-        if self._kept is not None:
-            await self._resume(*self._kept)
+        if self._resumption is not None:
+            await self._resume(self._resumption)
         if (run := self._run) is None:
             self._events.clear()
             self._beaten = now
-            if self._kept is None:
+            if self._resumption is None:
                 await self._keeper.save(now, None)
             return
         if (clapped := self._claps.counted(now)) is not None:
@@ -394,65 +387,26 @@ class TourGuide(Motivation):
 
     # --- after a restart ----------------------------------------------------------------------------------------------
 
-    async def _take_map(self, kept: KeptRun, tour: Tour) -> None:
-        """Take the map of the run that is gone on with into use, with the robot about where it was."""
-        maps = self.service(MapService)
-        if self._map_taken or not maps.available or not kept.is_fresh(self.clock.now()):
-            return
-        self._map_taken = True
-        if maps.server.name == tour.map:
-            return
-        try:
-            await maps.server.load(tour.map, None if kept.pose is None else Pose2(*kept.pose))
-        except MapUnavailable as refusal:
-            self._map_refused = f"the map {tour.map} cannot be taken into use: {refusal}"
-
-    async def _resume(self, kept: KeptRun, tour: Tour) -> None:
-        """Go on with ``kept`` once the robot knows where it is and has looked for visitors; say why not else."""
-        if kept.progress.is_running:
-            await self._take_map(kept, tour)
-        now = self.clock.now()
-        self._ready_at = now + _READY_S if self._ready_at is None else self._ready_at
+    async def _resume(self, resumption: Resumption) -> None:
+        """Go on with the run that was under way once the robot knows where it is and has looked for visitors; say why
+        not else."""
+        if resumption.kept.progress.is_running:
+            await resumption.take_map(self.service(MapService), self.clock.now())
+        now, kept, tour = self.clock.now(), resumption.kept, resumption.tour
         language = tour.languages[0] if kept.report is None else kept.report.language
         run = GuidedRun(tour, self._scene(tour, language, waits=kept.waits), kept.waits, over=self._keeper.over)
-        held = kept.progress.state == "paused" and kept.progress.to_press
-        ready = held or (self._senses.localized(tour.map) and self._places is not None)
+        localized = self._senses.localized(tour.map) and self._places is not None
         view = self._view(run, ())
-        if kept.progress.is_running and view.e_stop and not held:
-            # Released again before the run goes on, it is a pause all the same.
-            self._kept = replace(kept, progress=interrupted(kept.progress, view, run.scene)), tour
+        wishes = resumption.wishes(now)
+        if resumption.interrupt(view, run.scene):
             return
-        if kept.progress.is_running and now < self._ready_at:
-            self._desires.want((Wish("slam", SLAM), Wish("faces", FACES), Wish("persons", PERSONS)))
-            if not ready:
+        if wishes:
+            self._desires.want(wishes)
+            if resumption.waits(now, view, localized=localized):
                 return
-            self._ready_at = min(self._ready_at, now + _VISITORS_S)
-            if view.there == 0 and not held:
-                return
-        self._kept, self._run = None, run
-        if kept.progress.is_running and not ready:
-            unknown = f"the robot does not know where it is on the map {tour.map}"
-            progress = Progress(reason=self._map_refused or unknown)
-        else:
-            progress = after_restart(kept, now, view, run.scene)
+        self._resumption, self._run = None, run
+        progress = resumption.progress(now, view, run.scene, localized=localized)
         run.resume(kept, progress, view)
         if kept.progress.is_running:
             self._note(run, progress)
         self._look()
-
-
-def _same_places(one: tuple[Place, ...], other: tuple[Place, ...]) -> bool:
-    """Whether all are where they were, but for the small steps by which a map is corrected."""
-    return len(one) == len(other) and all(
-        replace(a, x=0.0, y=0.0, heading=0.0) == replace(b, x=0.0, y=0.0, heading=0.0)
-        and max(abs(a.x - b.x), abs(a.y - b.y), abs(a.heading - b.heading)) < _SAME_PLACE
-        for a, b in zip(one, other, strict=True)
-    )
-
-
-def _same_posters(one: tuple[Poster, ...], other: tuple[Poster, ...]) -> bool:
-    """Whether all hang where they hung, but for the small steps by which a map is corrected."""
-    return len(one) == len(other) and all(
-        (a.number, a.text) == (b.number, b.text) and max(abs(a.x - b.x), abs(a.y - b.y)) < _SAME_PLACE
-        for a, b in zip(one, other, strict=True)
-    )

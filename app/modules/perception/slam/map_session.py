@@ -30,7 +30,7 @@ from app.modules.perception.slam.map_rendering import GLANCES, ExtraView, MapRen
 from app.modules.perception.slam.mapper import Slam
 from app.modules.perception.slam.occupancy import OccupancyCounts, cropped, view_of
 from app.modules.perception.slam.pose_graph import Optimize, optimized
-from app.modules.perception.slam.relocalization import PoseHypothesis, PoseSearch, SearchScan
+from app.modules.perception.slam.relocalization import PoseSearch
 from app.modules.perception.slam.storage import read_state, write_state
 from app.modules.perception.slam.types import Keyframe, Match, SlamState
 
@@ -278,18 +278,6 @@ def differ(before: NDArray[np.float32], now: NDArray[np.float32]) -> bool:
     with np.errstate(invalid="ignore"):
         off = np.abs(before - now) > MOVED_M
     return bool(np.count_nonzero(off) > MOVED_SHARE * len(now))
-
-
-def look(
-    search: PoseSearch, scan: LaserScan, X_OB: Pose2, suggested: Sequence[Pose2] = ()
-) -> tuple[Pose2 | None, tuple[PoseHypothesis, ...]]:
-    """*Behind.* Give ``search`` a scan, and poses X_MO ``suggested`` by landmarks: X_MO if a hypothesis is accepted,
-    and all hypotheses."""
-    for X_MO in suggested:
-        search.suggest(X_MO)
-    view = view_of(scan)
-    points = view.ends[view.met].astype(np.float64)
-    return search.see(SearchScan(points, np.array(view.sensor_xy), X_OB)), search.hypotheses
 
 
 def keep(

@@ -4,33 +4,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
 from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
 from app.base.geometry import Pose2, wrap_angle
-from app.modules.perception.slam.correlative_matching import Pyramid, sought
+from app.modules.perception.slam.correlative_matching import sought
 from app.modules.perception.slam.edges import edge_information
 from app.modules.perception.slam.keyframe_view import KeyframeView, Removed, keyframe_view
 from app.modules.perception.slam.local_map import DOUBTED_M, STALE_M, LocalMap, local_map
 from app.modules.perception.slam.loop_closure import LoopJob, LoopMemory, LoopOutcome, pose_array
 from app.modules.perception.slam.odometry_calibration import OdometryRatios
+from app.modules.perception.slam.pose_estimate import PoseEstimate
 from app.modules.perception.slam.pose_graph import Optimize, optimized
 from app.modules.perception.slam.pruning import Pruned
-from app.modules.perception.slam.scan_matching import NOISE_M, ScanFit, fitted
+from app.modules.perception.slam.scan_matching import ScanFit, fitted
 from app.modules.perception.slam.scans import BeamGeometry, Scan, prepared
 from app.modules.perception.slam.settings import SlamSettings
-from app.modules.perception.slam.surfels import SurfelGrid
-from app.modules.perception.slam.types import Edge, Keyframe, Match, SlamState, Submap
+from app.modules.perception.slam.submap_builder import ActiveSubmap, SubmapBuilder
+from app.modules.perception.slam.types import Edge, Keyframe, Match, SlamState
 
 #: Motion (m, rad) below which odometry counts as standing, and number of scans after which a standing robot matches
 #: again.
 _REST = 1e-4
 _REST_SCANS = 10
 _LEAST_POINTS = 25
-_RESCUE_LEVELS = 4
 _RESCUE_SCORE = 0.45
 #: Least advantage, in share of the scan, of another pose ...
 _RESCUE_GAIN = 0.03
@@ -43,16 +42,6 @@ _POOR_SCAN_M = 3.0
 _PLACED_SIGMAS = (0.5, 0.25)
 #: Greatest window (m, rad) of the rescue search.
 _RESCUE_MOST = (6.0, math.pi)
-
-
-@dataclass(slots=True, eq=False)
-class _ActiveSubmap:
-    """A submap under construction: ``keyframes`` by id, the first defines the frame of ``grid``."""
-
-    grid: SurfelGrid
-    keyframes: list[int]
-    pyramid: Pyramid | None = None
-    pyramid_of: int = 0
 
 
 class Slam:
@@ -82,9 +71,7 @@ class Slam:
         self._edges = list(kept.edges)
         #: Number of closed loops.
         self.loops = sum(edge.loop for edge in kept.edges)
-        self._submaps = [Submap(number, keyframes) for number, keyframes in enumerate(kept.submaps)]
-        self._submaps_made = len(self._submaps)
-        self._active: list[_ActiveSubmap] = []
+        self._submaps = SubmapBuilder(self.settings.submap_keyframes, kept.submaps)
         self._made = max(self._keyframes, default=-1) + 1
         self._memory = LoopMemory()
         self._due: list[int] = []
@@ -95,8 +82,7 @@ class Slam:
         self._removed: list[Removed] = []
         self._moved = False
         self._travelled_m = max((keyframe.travelled_m for keyframe in kept.keyframes), default=0.0)
-        self._X_MB = Pose2()
-        self._covariance = np.zeros((3, 3))
+        self._estimate = PoseEstimate()
         self._X_OB: Pose2 | None = None
         self._keyframe = -1
         self._X_KB = Pose2()
@@ -105,25 +91,23 @@ class Slam:
         self._off = (0.0, 0.0)
         self._step_sigmas = (0.0, 0.0)
         self._ratios = OdometryRatios()
-        self._before = self._covariance
         self._local: LocalMap | None = None
         self._placed = False
         self.place(X_MB or Pose2())
         if covariance is not None:
-            self._covariance = covariance
+            self._estimate.covariance = covariance
 
     def place(self, X_MB: Pose2) -> None:
         """Set the approximate pose ``X_MB``: the next scan is searched around it."""
-        self._X_MB = X_MB
+        self._estimate.X_MB = X_MB
         if not self._keyframes:
-            self._covariance = np.zeros((3, 3))
+            self._estimate.covariance = np.zeros((3, 3))
             return
         sigma_m, sigma_rad = _PLACED_SIGMAS
-        self._covariance = np.diag([sigma_m**2, sigma_m**2, sigma_rad**2])
+        self._estimate.covariance = np.diag([sigma_m**2, sigma_m**2, sigma_rad**2])
         self._placed = True
         self._rested = _REST_SCANS
-        for submap in self._active:
-            self._finish(submap)
+        self._submaps.finish()
         self._look_around()
 
     def add(
@@ -161,12 +145,12 @@ class Slam:
             self._add_keyframe(stamp, scan, None)
             return self._published(stamp, X_OB, added=True)
         if self._frozen and self._local is not None:
-            gone = self._local.X_MB.inverse() @ self._X_MB
+            gone = self._local.X_MB.inverse() @ self._estimate.X_MB
             doubted = self._last_fit is not None and self._last_fit.inliers < self.settings.poor_below
             if math.hypot(gone.x, gone.y) > (DOUBTED_M if doubted else STALE_M):
                 self._look_around()
         fit = self._follow(scan, step)
-        off = self._poses[self._keyframe].inverse() @ self._X_MB
+        off = self._poses[self._keyframe].inverse() @ self._estimate.X_MB
         added = self.settings.is_far(off, lost=fit.inliers < self.settings.lost_below) and not self._frozen
         if added:
             self._add_keyframe(stamp, scan, fit)
@@ -201,14 +185,14 @@ class Slam:
             known = outcome.poses.get(id)
             if known is not None or id > outcome.last:
                 self._poses[id] = known if known is not None else shift @ pose
-        self._X_MB = self._poses[self._keyframe] @ self._X_KB
+        self._estimate.X_MB = self._poses[self._keyframe] @ self._X_KB
         self._moved = True
         self.version += 1
 
     @property
     def X_MO(self) -> Pose2:
         """Pose of ``odom`` on the map by the last scan, including corrections since."""
-        return self._X_MB if self._X_OB is None else self._X_MB @ self._X_OB.inverse()
+        return self._estimate.X_MB if self._X_OB is None else self._estimate.X_MB @ self._X_OB.inverse()
 
     @property
     def keyframes(self) -> Mapping[int, Keyframe]:
@@ -234,8 +218,8 @@ class Slam:
 
     def state(self) -> SlamState:
         """The state needed to resume mapping."""
-        active = (tuple(submap.keyframes) for submap in self._active) if not self._frozen else ()
-        submaps = (*(submap.keyframes for submap in self._submaps), *active)
+        active = (tuple(submap.keyframes) for submap in self._submaps.active) if not self._frozen else ()
+        submaps = (*(submap.keyframes for submap in self._submaps.finished), *active)
         return SlamState(tuple(self._keyframes.values()), tuple(self._poses.values()), tuple(self._edges), submaps)
 
     def _drop(self, cut: Pruned) -> None:
@@ -245,14 +229,14 @@ class Slam:
         # Additions during the job follow the entries the job knew.
         known_edges, known_submaps = self._job_knew
         self._edges = [*cut.edges, *self._edges[known_edges:]]
-        self._submaps = [*cut.submaps, *self._submaps[known_submaps:]]
+        self._submaps.replace(cut.submaps, known_submaps)
         for id in cut.removed:
             del self._keyframes[id], self._poses[id]
         self._removed += [(id, *cut.replaced[id]) for id in cut.removed]
         self.version += 1
 
     def _in_use(self) -> frozenset[int]:
-        return frozenset(id for submap in self._active for id in submap.keyframes) | {self._keyframe}
+        return frozenset(id for submap in self._submaps.active for id in submap.keyframes) | {self._keyframe}
 
     # --- Localization -------------------------------------------------------------------------------------------------
 
@@ -265,10 +249,10 @@ class Slam:
         if self._placed:
             sigma_m, sigma_rad = math.hypot(sigma_m, _PLACED_SIGMAS[0]), math.hypot(sigma_rad, _PLACED_SIGMAS[1])
         self._step_sigmas = sigma_m, sigma_rad
-        self._predict(step, sigma_m, sigma_rad)
-        submap = self._active[0]
-        X_MS = self._poses[submap.keyframes[0]]
-        prior = X_MS.inverse() @ self._X_MB
+        self._estimate.predict(step, sigma_m, sigma_rad)
+        submap = self._submaps.active[0]
+        X_MS = self._poses[submap.first]
+        prior = X_MS.inverse() @ self._estimate.X_MB
         fit = fitted(submap.grid, scan.points, prior, prior, (sigma_m, sigma_rad))
         if fit.inliers >= settings.rescue_below and not self._placed:
             self._ratios.learn(step, prior.inverse() @ fit.X_SB)
@@ -282,13 +266,12 @@ class Slam:
         if fit.inliers >= settings.lost_below:
             off = prior.inverse() @ fit.X_SB
             self._off = math.hypot(off.x, off.y), abs(wrap_angle(off.theta))
-            self._X_MB = X_MS @ fit.X_SB
-            self._update(X_MS, fit)
+            self._estimate.update(X_MS, fit)
         return fit
 
     def _rescued(
         self,
-        submap: _ActiveSubmap,
+        submap: ActiveSubmap,
         scan: Scan,
         prior: Pose2,
         fit: ScanFit,
@@ -296,22 +279,25 @@ class Slam:
         step: Pose2,
     ) -> ScanFit:
         """A better pose than ``fit`` from a wider search around ``prior``, if there is one."""
-        if submap.pyramid is None or submap.pyramid_of != len(submap.keyframes):
-            submap.pyramid = Pyramid(submap.grid, _RESCUE_LEVELS)
-            submap.pyramid_of = len(submap.keyframes)
         # The uncertainty accumulated since scans fitted last widens the window.
-        window_m = 0.5 + math.hypot(step.x, step.y) + 2.0 * math.sqrt(self._before[:2, :2].trace())
-        window_rad = 0.25 + abs(step.theta) + 2.0 * math.sqrt(self._before[2, 2])
+        before = self._estimate.covariance_before
+        window_m = 0.5 + math.hypot(step.x, step.y) + 2.0 * math.sqrt(before[:2, :2].trace())
+        window_rad = 0.25 + abs(step.theta) + 2.0 * math.sqrt(before[2, 2])
         window_m, window_rad = min(window_m, _RESCUE_MOST[0]), min(window_rad, _RESCUE_MOST[1])
         found = sought(
-            submap.pyramid, scan.points, guess=prior, window_m=window_m, window_rad=window_rad, threshold=_RESCUE_SCORE
+            submap.pyramid(),
+            scan.points,
+            guess=prior,
+            window_m=window_m,
+            window_rad=window_rad,
+            threshold=_RESCUE_SCORE,
         )
         if found is None:
             return fit
         loose = (sigmas[0] * math.sqrt(5.0), sigmas[1] * math.sqrt(5.0))
         other = fitted(submap.grid, scan.points, found[0], prior, loose)
         # A similar place one door further fits, too: the required advantage grows with the distance from odometry.
-        X_MS = self._poses[submap.keyframes[0]]
+        X_MS = self._poses[submap.first]
         surcharge = self._price(X_MS @ other.X_SB) - self._price(X_MS @ fit.X_SB)
         return other if other.inliers > fit.inliers + _RESCUE_GAIN + surcharge else fit
 
@@ -320,25 +306,7 @@ class Slam:
 
         Bounded: wheel slip can lead anywhere.
         """
-        expected = self._X_MB
-        off = np.array([X_MB.x - expected.x, X_MB.y - expected.y, wrap_angle(X_MB.theta - expected.theta)])
-        squared_sigmas = float(off @ np.linalg.solve(self._covariance, off))
-        return _PRICE_MOST * (1.0 - math.exp(-squared_sigmas / _PRICE_SIGMAS2))
-
-    def _predict(self, step: Pose2, sigma_m: float, sigma_rad: float) -> None:
-        self._before = self._covariance
-        before = self._X_MB
-        self._X_MB = before @ step
-        swing = np.eye(3)
-        swing[0, 2] = before.y - self._X_MB.y
-        swing[1, 2] = self._X_MB.x - before.x
-        self._covariance = swing @ self._covariance @ swing.T + np.diag([sigma_m**2, sigma_m**2, sigma_rad**2])
-
-    def _update(self, X_MS: Pose2, fit: ScanFit) -> None:
-        c, s = math.cos(X_MS.theta), math.sin(X_MS.theta)
-        turn = np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
-        information = turn @ fit.information @ turn.T / max(1.0, (fit.rms_m / NOISE_M) ** 2)
-        self._covariance = np.linalg.inv(np.linalg.inv(self._covariance) + information)
+        return _PRICE_MOST * (1.0 - math.exp(-self._estimate.squared_sigmas(X_MB) / _PRICE_SIGMAS2))
 
     # --- Mapping ---------------------------------------------------------------------------------------------------
 
@@ -354,58 +322,38 @@ class Slam:
             origin=scan.origin,
             travelled_m=self._travelled_m,
         )
-        self._poses[id] = self._X_MB
+        self._poses[id] = self._estimate.X_MB
         self._keyframe, self._X_KB = id, Pose2()
         self.version += 1
-        information = edge_information(fit, self._step_sigmas, self._covariance, self.settings.lost_below)
+        information = edge_information(fit, self._step_sigmas, self._estimate.covariance, self.settings.lost_below)
         lost = fit is not None and fit.inliers < self.settings.lost_below
-        for submap in self._active:
-            X_SB = self._poses[submap.keyframes[0]].inverse() @ self._X_MB
-            self._edges.append(Edge(submap.keyframes[0], id, X_SB, information, loop=False))
+        for submap in self._submaps.active:
+            X_SB = self._poses[submap.first].inverse() @ self._estimate.X_MB
+            self._edges.append(Edge(submap.first, id, X_SB, information, loop=False))
             if not lost:
-                submap.grid.insert(scan.points, X_SB)
-                submap.keyframes.append(id)
+                submap.add(id, scan.points, X_SB)
         if lost:
             # Later scans are matched with this scan, not with earlier ones: the connection to these is odometry alone.
-            for submap in self._active:
-                self._finish(submap)
-            self._active = []
-        self._turn_submaps(id, scan)
+            self._submaps.finish()
+        self._submaps.begin_if_due(id, scan.points)
         self._due.append(id)
-
-    def _turn_submaps(self, id: int, scan: Scan) -> None:
-        """Begin a submap when the newest is half full; then finish the oldest, if full."""
-        full = self.settings.submap_keyframes
-        if self._active and len(self._active[-1].keyframes) < full // 2:
-            return
-        if len(self._active) == 2:
-            if len(self._active[0].keyframes) < full:
-                return
-            self._finish(self._active.pop(0))
-        grid = SurfelGrid()
-        grid.insert(scan.points, Pose2())
-        self._active.append(_ActiveSubmap(grid, [id]))
-
-    def _finish(self, submap: _ActiveSubmap) -> None:
-        self._submaps.append(Submap(self._submaps_made, tuple(submap.keyframes)))
-        self._submaps_made += 1
 
     def _look_around(self) -> None:
         """Localize on the local map around the robot; new keyframes are attached to its nearest keyframe."""
-        self._local = local = local_map(self._keyframes, self._poses, self._X_MB)
-        self._active = [_ActiveSubmap(local.grid, [local.nearest])]
+        self._local = local = local_map(self._keyframes, self._poses, self._estimate.X_MB)
+        self._submaps.begin_on(local.grid, local.nearest)
         self._keyframe = local.nearest
-        self._X_KB = self._poses[local.nearest].inverse() @ self._X_MB
+        self._X_KB = self._poses[local.nearest].inverse() @ self._estimate.X_MB
 
     def _job(self, due: tuple[int, ...], settle: bool) -> LoopJob:
         self._job_out = True
-        self._job_knew = len(self._edges), len(self._submaps)
+        self._job_knew = len(self._edges), len(self._submaps.finished)
         return LoopJob(
             self.settings,
             dict(self._keyframes),
             poses=dict(self._poses),
             edges=tuple(self._edges),
-            submaps=tuple(self._submaps),
+            submaps=tuple(self._submaps.finished),
             due=due,
             in_use=self._in_use(),
             memory=self._memory,
@@ -418,9 +366,9 @@ class Slam:
         moved, self._moved = self._moved, False
         return Match(
             stamp=stamp,
-            X_MB=self._X_MB,
-            X_MO=self._X_MB @ X_OB.inverse(),
-            covariance=self._covariance,
+            X_MB=self._estimate.X_MB,
+            X_MO=self._estimate.X_MB @ X_OB.inverse(),
+            covariance=self._estimate.covariance,
             overlap=0.0 if fit is None else fit.overlap,
             inliers=0.0 if fit is None else fit.inliers,
             matched=fit is None or fit.inliers >= self.settings.lost_below,

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from app.modules.perception.voices.microphone_array import MicrophoneArray
+from app.modules.perception.voices.steered_response import lag_transform
 from app.modules.perception.voices.steering_vectors import SPEED_OF_SOUND, arrivals, search_grid, tangents
 
 #: Step of the lags (s): a quarter of a period at 7 kHz is 3.4 steps.
@@ -72,8 +73,7 @@ class ArrayCheck:
         self._longest = int(min(max(_WIDER * size_s, size_s + 0.0003), _SHARE_OF_FRAME * frame_s) / LAG_STEP_S) + 1
         self._width = 2 * self._longest + 1
         times = np.arange(-self._longest, self._longest + 1) * LAG_STEP_S
-        turns = np.exp(2j * np.pi * frequencies[:, None] * times)
-        self._to_lags = np.ascontiguousarray(np.vstack([turns.real, -turns.imag]) / len(frequencies), np.float32)
+        self._to_lags = lag_transform(frequencies, times)
         self._grid = search_grid(array, _POINTS, _LOWEST_DEG)
         self._rows = np.arange(len(array.first)) * self._width + self._longest
         self._cells = self._cells_of(self._grid)

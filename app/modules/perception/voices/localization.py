@@ -26,15 +26,13 @@ from scipy import fft
 from app.modules.perception.voices.microphone_array import MicrophoneArray
 from app.modules.perception.voices.onsets import Onsets
 from app.modules.perception.voices.spectral_mask import SpectralMask
-from app.modules.perception.voices.steering_vectors import SPEED_OF_SOUND, arrivals, search_grid, tangents
+from app.modules.perception.voices.steered_response import SteeredResponse
 
 _SMALL = 1e-12
 #: Directions closer than this (cosine of 4 degrees) are one.
 _SAME = float(np.cos(np.radians(4.0)))
 #: A direction found within this (cosine of 8 degrees) of an expected one is the same source.
 _NEAR = float(np.cos(np.radians(8.0)))
-#: Greatest distance (rad) of a maximum from its start, at each refinement.
-_LONGEST_STEP = float(np.radians(4.0))
 #: A weaker peak within this (cosine of 20 degrees, a lobe's width), below this share, is a side lobe.
 _LOBE, _LOBE_SHARE = float(np.cos(np.radians(20.0))), 0.6
 #: Least value of the grid point nearest to a maximum, as a share of it.
@@ -49,7 +47,6 @@ _ALONE = 0.9
 _JUDGE_STEPS = 12
 #: Observation time (s) after which half of a learnt background is subtracted.
 _UNSURE_S = 0.2
-_AROUND = np.array([-1, 0, 1])[:, None, None]
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,7 +133,14 @@ class Localizer:
         self.frequencies = np.fft.rfftfreq(settings.frame, 1 / rate)
         chosen = np.flatnonzero((self.frequencies >= settings.lowest_hz) & (self.frequencies <= settings.highest_hz))
         self._band = slice(int(chosen[0]), int(chosen[-1]) + 1)
-        self._prepare(self.band)
+        self._response = SteeredResponse(
+            array,
+            rate,
+            self.band,
+            points=settings.points,
+            lowest_deg=settings.lowest_deg,
+            range_m=settings.range_m,
+        )
         self._clarity = SpectralMask(len(chosen), self.hop / rate, settings.tail, settings.tail_s, settings.floor)
         self._onsets = Onsets()
         pairs, bins = len(array.first), len(chosen)
@@ -147,28 +151,6 @@ class Localizer:
         self._directed = False
         self._unsure_steps = _UNSURE_S * rate / self.step
         self.reset()
-
-    def _prepare(self, frequencies: NDArray[np.float64]) -> None:
-        settings, array = self.settings, self.array
-        self.grid = search_grid(array, settings.points, settings.lowest_deg)
-        lags = self._lags(self.grid)
-        self._longest = int(np.ceil(np.abs(lags).max())) + 2
-        self._width = 2 * self._longest + 1
-        times = np.arange(-self._longest, self._longest + 1) / self.rate
-        turns = np.exp(2j * np.pi * frequencies[:, None] * times)
-        # The real part of a complex product, as one product of reals: correlations over lags.
-        to_lags = np.vstack([turns.real, -turns.imag]) / len(frequencies)
-        self._to_lags = np.ascontiguousarray(to_lags, np.float32)
-        self._rows = np.arange(len(array.first)) * self._width + self._longest
-        self._cells = np.ascontiguousarray((np.rint(lags).astype(np.int64) + self._rows).T)
-        first, second = array.first, array.second
-        self._omega = (2 * np.pi / self.rate * frequencies).astype(np.float32)
-        self._across = -(array.offsets[first] - array.offsets[second]).T * (self.rate / SPEED_OF_SOUND)
-
-    def _lags(self, directions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Delays (samples) of sound from ``directions`` (G, 3), first of each pair minus second: (G, P)."""
-        delays = arrivals(self.array.offsets, directions, self.settings.range_m, self.array.body_m) * self.rate
-        return np.asarray(delays[:, self.array.first] - delays[:, self.array.second])
 
     def reset(self) -> None:
         """Discard the past: the next samples do not follow the last."""
@@ -263,7 +245,7 @@ class Localizer:
         self._still_steps += 1
         if self._still_steps % _JUDGE_STEPS == 0:
             agreed = self._still / (self._still_weight + np.float32(_SMALL))
-            strength = self._correlation(agreed)[self._cells].sum(axis=0).max() / len(self._still)
+            strength = self._response.on_grid(self._response.correlation(agreed)).max() / len(self._still)
             self._directed = bool(strength > self.settings.least_power)
 
     def _clear(self, mean: NDArray[np.complex64], weights: NDArray[np.float32]) -> NDArray[np.complex64]:
@@ -274,10 +256,6 @@ class Localizer:
         still = self._still * (trust * weights[1] / (self._still_weight + np.float32(_SMALL)))
         return np.asarray((mean - still) / (weights[0] + np.float32(self.settings.weight_offset)))
 
-    def _correlation(self, cross: NDArray[np.complex64]) -> NDArray[np.float32]:
-        """Correlations (P * W,) over lags of cross spectra (P, B)."""
-        return np.asarray((np.hstack([cross.real, cross.imag]) @ self._to_lags).reshape(-1))
-
     def _search(self) -> Peaks:
         whole = self._clear(self._long, self._long_weight)
         pairs = np.float32(len(whole))
@@ -287,16 +265,16 @@ class Localizer:
         echoes: list[float] = []
         beams: list[NDArray[np.complex64]] = []
         for number in range(self.settings.sources):
-            correlation = self._correlation(cross)
-            response = correlation.take(self._cells, mode="clip").sum(axis=0)
+            correlation = self._response.correlation(cross)
+            response = self._response.on_grid(correlation)
             best = int(response.argmax())
             least = max(self.settings.least_power, self.settings.least_share * max(powers, default=0.0))
             if response[best] < _GRID_SHARE * least * pairs:
                 break
-            direction, power = self._climb(correlation, self.grid[best][None], 1)
+            direction, power = self._response.climb(correlation, self._response.grid[best][None], 1)
             if power[0] < least:
                 break
-            steering = self._steer(direction)[0]
+            steering = self._response.steering(direction)[0]
             copies = [
                 self._copy(whole, beam, steering) / math.sqrt(stronger * power[0])
                 for beam, stronger, other in zip(beams[:2], powers[:2], directions[:2], strict=True)
@@ -340,38 +318,6 @@ class Localizer:
         begin, end = (round(seconds * self.rate) for seconds in _REFLECTION_S)
         return float(sizes[begin:end].max() / (2 * pairs * bins))
 
-    def _steer(self, directions: NDArray[np.float64]) -> NDArray[np.complex64]:
-        """Phase factors that align sound from each of ``directions`` (K, 3) at all microphones: (K, M, B)."""
-        array = self.array
-        delays = arrivals(array.offsets, directions, self.settings.range_m, array.body_m) * self.rate
-        angles = delays[:, :, None].astype(np.float32) * self._omega
-        # Sines and cosines of reals are several times as fast as complex exponentials.
-        steering = np.empty(angles.shape, np.complex64)
-        np.cos(angles, out=steering.real)
-        np.sin(angles, out=steering.imag)
-        return steering
-
-    def _climb(
-        self, correlation: NDArray[np.float32], directions: NDArray[np.float64], rounds: int
-    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Maxima of the response near ``directions`` (K, 3), by Newton's method, and their powers."""
-        for turn in range(rounds + 1):
-            lags = self._lags(directions)
-            nearest = np.rint(lags)
-            cells = nearest.astype(np.int64) + self._rows
-            before, at, after = correlation.take(cells + _AROUND)
-            off = lags - nearest
-            half = (after - before) * 0.5
-            bend = after - at - at + before
-            if turn == rounds:
-                return directions, np.clip((at + off * (half + 0.5 * off * bend)).mean(axis=1), 0, 1)
-            basis = tangents(directions)
-            motion = basis @ self._across  # (K, 2, P): samples per radian
-            gradient = (motion @ (half + off * bend)[:, :, None])[:, :, 0]
-            curving = (motion * np.minimum(bend, 0)[:, None]) @ motion.transpose(0, 2, 1)
-            directions = _ahead(directions, basis, _newton_step(gradient, curving))
-        raise AssertionError("unreachable")
-
     def _follow(self, expected: NDArray[np.float64] | None) -> Peaks:
         found = self._found
         starts, powers, echoes, steady = found.directions, found.powers, found.echoes, found.steady
@@ -391,8 +337,8 @@ class Localizer:
             starts = np.concatenate([expected, starts[new]])
         if not len(starts):
             return NO_PEAKS
-        cross = self.cross_spectra()
-        directions, recent = self._climb(self._correlation(cross), starts, 1)
+        correlation = self._response.correlation(self.cross_spectra())
+        directions, recent = self._response.climb(correlation, starts, 1)
         nearness = directions @ directions.T
         chosen: list[int] = []
         for k in range(len(directions)):
@@ -407,7 +353,7 @@ class Localizer:
         ]
         recent[chosen] = np.where(clear, recent[chosen], 0)
         directions = directions[chosen]
-        onsets = self._onsets.agreement(self._steer(directions))
+        onsets = self._onsets.agreement(self._response.steering(directions))
         return Peaks(
             directions,
             powers[chosen],
@@ -422,21 +368,3 @@ def _turned(directions: NDArray[np.float64], angle: float) -> NDArray[np.float64
     """``directions`` (K, 3) turned left by ``angle`` (rad) about z."""
     c, s = math.cos(angle), math.sin(angle)
     return np.asarray(directions @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]))
-
-
-def _newton_step(gradient: NDArray[np.float64], curving: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Steps (K, 2) to maxima by slopes (K, 2) and curvatures (K, 2, 2), made negative definite, damped and limited."""
-    xx, xy, yy = curving[:, 0, 0], curving[:, 0, 1], curving[:, 1, 1]
-    damping = 0.05 * (xx + yy) - _SMALL
-    xx, yy = xx + damping, yy + damping
-    across, along = gradient[:, 0], gradient[:, 1]
-    steps = np.stack([xy * along - yy * across, xy * across - xx * along], axis=1) / (xx * yy - xy * xy)[:, None]
-    length = np.sqrt((steps * steps).sum(axis=1))
-    return np.asarray(steps * np.minimum(1, _LONGEST_STEP / np.maximum(length, _SMALL))[:, None])
-
-
-def _ahead(
-    directions: NDArray[np.float64], basis: NDArray[np.float64], steps: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    moved = directions + (steps[:, None] @ basis)[:, 0]
-    return np.asarray(moved / np.sqrt((moved * moved).sum(axis=1, keepdims=True)))

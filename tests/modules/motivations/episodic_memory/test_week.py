@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import asyncio
-import math
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 
-from app.base.geometry import Pose2
 from app.messages import MemoryState
 from app.runtime.clock import in_virtual_time
 from app.tours.model import Tour
 from tests.modules.motivations.episodic_memory.week import RememberingLab
+from tests.modules.motivations.tour_guide.lab_tour import PLACES
 from tests.modules.motivations.tour_guide.led_lab import Visitor
 from tests.modules.motivations.tour_guide.run import LAB, WAIT, say, stop
 
-PLACES = {"one": Pose2(4.0, 0.0, 0.0), "two": Pose2(4.0, 4.0, math.pi / 2), "dock": Pose2(0.0, 0.0, 0.0)}
 QUESTION = "word heavy"
 DAY_S = 86_400.0
 #: On these days, from 1, visitors ask nothing.

@@ -5,35 +5,20 @@ from __future__ import annotations
 import asyncio
 import math
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from app.base.geometry import Pose2
 from app.messages import Landmark, Landmarks, LinkStatus, Twist
-from app.modules.motivations.tour_guide.kept import read_kept
 from app.runtime.clock import in_virtual_time
-from app.tours.model import Tour
 from app.tours.run_service import TourRefused
+from tests.modules.motivations.tour_guide.lab_tour import PLACES, lab, tour
 from tests.modules.motivations.tour_guide.led_lab import LedLab, Visitor, failed
 from tests.modules.motivations.tour_guide.run import LAB, say, stop
 
 pytestmark = pytest.mark.slow
 
-PLACES = {"one": Pose2(4.0, 0.0, 0.0), "two": Pose2(4.0, 4.0, math.pi / 2), "dock": Pose2(0.0, 0.0, 0.0)}
 ARM = {"file": "media/arm.jpg", "alt": {"en": "An orange arm"}}
-
-
-def tour(**more: Any) -> Tour:
-    """Two stops; the second listens, and answers a question. It looks back on every leg."""
-    return LAB.model_validate(LAB.model_dump(by_alias=True) | {"pace": {"look_back_m": 1.5}} | more)
-
-
-async def lab(folder: Path, *visitors: Visitor, **more: Any) -> LedLab:
-    """The floor with these visitors."""
-    made = await asyncio.to_thread(LedLab, folder, tour(**more), PLACES)
-    made.visitors = list(visitors) or [Visitor(1.5, 0.5), Visitor(1.5, -0.5)]
-    return made
 
 
 @in_virtual_time
@@ -309,60 +294,6 @@ async def test_a_low_battery_ends_it_and_is_said(tmp_path: Path) -> None:
 
 
 @in_virtual_time
-async def test_a_program_that_is_started_again_goes_on(tmp_path: Path) -> None:
-    first = await lab(tmp_path, stops=[stop("one", do=[say("First. Second. Third.")]), stop("two")])
-    async with first as led:
-        led.start()
-        await led.until("confirming")
-        led.press("agree")
-        await led.until("presenting")
-        await led.live(2.0)
-        robot, visitors = led.robot, led.visitors
-    assert first.workspace.desires() == ()
-    kept = await asyncio.to_thread(first.runs.kept)
-    assert kept is not None
-    known = read_kept(kept)
-    assert known is not None
-    assert (known.progress.state, known.progress.stop, known.progress.sentence) == ("presenting", 0, 1)
-    second = await asyncio.to_thread(LedLab, tmp_path, first.tour, PLACES)
-    second.robot, second.visitors = robot, visitors
-    async with second as led:
-        await led.until("presenting", limit_s=20)
-        await led.until("leading", limit_s=20)
-        assert led.said == ["I was interrupted. Let us go on.", "Second. Third."]
-        assert led.server.report is not None
-        assert led.server.report.people_most == 2
-        await led.until("idle")
-        assert led.progress.presented == ("one", "two")
-
-
-@in_virtual_time
-async def test_after_the_emergency_stop_a_waiting_tour_waits_for_a_press_after_a_restart_too(
-    tmp_path: Path,
-) -> None:
-    first = await lab(tmp_path, Visitor(9.0, 0.0, mps=0.0))
-    async with first as led:
-        led.start(waits=True)
-        await led.live(1)
-        led.e_stop = True
-        await led.live(1)
-        led.e_stop = False
-        led.visitors = [Visitor(2.0, 1.0)]
-        await led.live(10)
-        assert (led.progress.state, led.progress.buttons, led.moving()) == ("idle", ("resume",), [])
-        assert led.progress.reason == "the emergency stop was pressed: press Resume"
-        with pytest.raises(TourRefused, match="start does nothing"):
-            led.press("start")
-    second = await asyncio.to_thread(LedLab, tmp_path, first.tour, PLACES)
-    second.visitors = [Visitor(2.0, 1.0)]
-    async with second as led:
-        await led.live(10)
-        assert (led.progress.state, led.progress.waits, led.moving()) == ("idle", True, [])
-        led.press("resume")
-        await led.until("inviting", limit_s=5)
-
-
-@in_virtual_time
 async def test_an_emergency_stop_that_is_released_at_once_is_a_pause(tmp_path: Path) -> None:
     async with await lab(tmp_path) as led:
         led.start()
@@ -377,85 +308,6 @@ async def test_an_emergency_stop_that_is_released_at_once_is_a_pause(tmp_path: P
         assert (led.progress.state, led.moving()) == ("paused", [])
         led.press("resume")
         await led.until("leading", limit_s=5)
-
-
-@in_virtual_time
-async def test_an_emergency_stop_before_a_kept_run_goes_on_is_a_pause(tmp_path: Path) -> None:
-    first = await lab(tmp_path)
-    async with first as led:
-        led.start()
-        await led.until("confirming")
-        led.press("agree")
-        await led.until("leading")
-        await led.live(1.0)
-        robot, visitors = led.robot, led.visitors
-    second = await asyncio.to_thread(LedLab, tmp_path, first.tour, PLACES)
-    second.robot, second.localization, second.e_stop = robot, "lost", True
-    async with second as led:
-        led.e_stop, led.localization, led.visitors = False, "tracking", visitors
-        await led.live(20)
-        assert (led.progress.state, led.moving()) == ("paused", [])
-        assert led.progress.reason == "the emergency stop was pressed"
-        led.press("resume")
-        await led.until("leading", limit_s=5)
-
-
-@in_virtual_time
-async def test_a_program_that_is_started_again_takes_the_map_of_the_tour_into_use(tmp_path: Path) -> None:
-    first = await lab(tmp_path)
-    async with first as led:
-        led.start()
-        await led.until("confirming")
-        led.press("agree")
-        await led.until("presenting")
-        await led.live(1.0)
-        robot, visitors = led.robot, led.visitors
-    second = await asyncio.to_thread(LedLab, tmp_path, first.tour, PLACES)
-    second.robot, second.visitors, second.maps.name = robot, visitors, ""
-    async with second as led:
-        ((name, X_MB),) = led.maps.loaded
-        assert name == "lab"
-        assert X_MB is not None
-        assert math.dist((X_MB.x, X_MB.y), (robot.x, robot.y)) < 0.5
-        await led.until("leading", limit_s=30)
-
-
-@in_virtual_time
-async def test_a_map_that_is_gone_is_said_when_a_tour_cannot_go_on(tmp_path: Path) -> None:
-    first = await lab(tmp_path)
-    async with first as led:
-        led.start()
-        await led.until("confirming")
-        led.press("agree")
-        await led.until("leading")
-    second = await asyncio.to_thread(LedLab, tmp_path, first.tour, PLACES)
-    second.maps.name, second.maps.has = "", ()
-    async with second as led:
-        await led.live(65)
-        assert (led.progress.state, led.moving()) == ("idle", [])
-        assert led.progress.reason == "the map lab cannot be taken into use: there is no map lab"
-
-
-@in_virtual_time
-async def test_a_program_that_is_started_elsewhere_says_why_it_does_not_go_on(tmp_path: Path) -> None:
-    first = await lab(tmp_path)
-    async with first as led:
-        led.start()
-        await led.until("confirming")
-        led.press("agree")
-        await led.until("leading")
-        await led.live(1.0)
-    second = await asyncio.to_thread(LedLab, tmp_path, first.tour, PLACES)
-    second.localization = "lost"
-    async with second as led:
-        with pytest.raises(TourRefused, match="is being resumed"):
-            led.start()
-        await led.live(65)
-        assert (led.progress.state, led.moving()) == ("idle", [])
-        assert led.progress.reason == "the robot does not know where it is on the map lab"
-        (report,) = await asyncio.to_thread(led.runs.reports)
-        assert report.outcome == led.progress.reason
-    assert await asyncio.to_thread(second.runs.kept) is None
 
 
 @in_virtual_time

@@ -17,10 +17,10 @@ from app.modules.motivations.tour_guide.progress import State
 from app.modules.motivations.tour_guide.visitors import SEEN_S, STOOD_S, People, Point, Visitors
 from app.modules.motivations.tour_guide.waiting import GOES_BACK_S, TURNED_AWAY_S
 from app.runtime.clock import in_virtual_time
+from tests.modules.motivations.tour_guide.lab_tour import PLACES, tour
 from tests.modules.motivations.tour_guide.led_lab import LedLab, Visitor, person
 from tests.modules.motivations.tour_guide.run import Run
 from tests.modules.motivations.tour_guide.test_missing_visitors import looking_back
-from tests.modules.motivations.tour_guide.test_tour_guide import PLACES, tour
 
 
 def around(visitors: Visitors, now: float, *, sought_since: float | None = None, legs_m: float = 0.0) -> People:
