@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from contextlib import suppress
+from dataclasses import replace
 from typing import Any, Final
 
 from app.attention.desires import Desire, InvalidDesire, Source
@@ -20,9 +21,9 @@ MOST: Final = 20
 
 
 class RuleDesires:
-    """Applies what the rule engine decides. ``author`` is the motivation's name."""
+    """Applies what the rule engine decides. ``author`` is the motivation that goes by the rules."""
 
-    def __init__(self, workspace: IntentionWorkspace, author: str) -> None:
+    def __init__(self, workspace: IntentionWorkspace, author: Source) -> None:
         self._workspace = workspace
         self._author = author
         self._ids: dict[Key, list[str]] = {}
@@ -117,4 +118,4 @@ class RuleDesires:
         return [desire for key in keys for desire in self._there(key) if desire.cls == action.cls]
 
     def _source(self, cause: Cause) -> Source:
-        return Source("motivation", self._author, rule=cause.rule, event=cause.event, applied=cause.stamp)
+        return replace(self._author, rule=cause.rule, event=cause.event, applied=cause.stamp)

@@ -1,4 +1,7 @@
-"""``hbba calibrate``: what each perception costs and finds at each φ, on this computer."""
+"""``hbba calibrate``: what each perception costs and finds at each φ, on this computer.
+
+With the word ``microphones`` behind it, it is another command (:mod:`app.commands.calibrate_microphones`).
+"""
 
 from __future__ import annotations
 
@@ -11,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.base import paths
 from app.base.errors import ConfigError
+from app.commands import calibrate_microphones
 from app.commands.arguments import add_config, find_log, names, real, whole
 from app.commands.output import add_json, print_json
 from app.commands.packaged import program_named
@@ -32,11 +36,16 @@ _FROM_0 = real(0, rule="seconds are a number from 0")
 def add_parser(subparsers: Any) -> None:
     parser = subparsers.add_parser(
         "calibrate",
-        help="measure what each perception costs at each φ on this computer",
+        help="measure what each perception costs at each φ on this computer; or where microphones are",
         description="Replay a recorded minute through each perception, at each φ that a strategy gives it; write CPU "
         "use and events against φ, with the lines through them, where strategies find them, plot both, and "
         "print the cost of each strategy. After an interruption, the next run continues.",
+        epilog="`hbba calibrate microphones` measures where the microphones of an array are, by claps around it: see "
+        "`hbba calibrate microphones --help`.",
     )
+    parser.words = {"microphones": calibrate_microphones.make_parser()}
+    parser.words["microphones"].set_defaults(calibrates="microphones")
+    parser.set_defaults(calibrates="costs")
     parser.add_argument("log", nargs="?", metavar="LOG", help="a log or a recording's name (default: the newest one)")
     add_config(parser)
     parser.add_argument("--seconds", type=_FROM_0, default=60.0, metavar="S", help="seconds of it to use (default 60)")
@@ -64,6 +73,8 @@ def add_parser(subparsers: Any) -> None:
 
 
 def run(args: argparse.Namespace) -> int:
+    if args.calibrates == "microphones":
+        return calibrate_microphones.run(args)
     import cv2
 
     from app.link import LinkFailed

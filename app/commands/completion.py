@@ -93,6 +93,8 @@ def leaves(parser: argparse.ArgumentParser) -> Iterator[argparse.ArgumentParser]
     """The parsers of the commands that do something: ``parser`` itself, or those below it."""
     if isinstance(parser, Parser):
         parser.fill()
+        for word in parser.words.values():
+            yield from leaves(word)
     below = [action for action in parser._actions if isinstance(action, argparse._SubParsersAction)]
     if not below:
         yield parser

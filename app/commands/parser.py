@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import argparse
 import difflib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from types import MappingProxyType
 from typing import Any
 
 
@@ -26,6 +27,8 @@ class Parser(argparse.ArgumentParser):
 
     #: Declares the rest of its arguments, once they are needed.
     filler: Callable[[], None] | None = None
+    #: Parsers of their own, by the first word: of a command whose own first argument may be any word.
+    words: Mapping[str, Parser] = MappingProxyType({})
 
     def fill(self) -> None:
         """Declare what was left till its arguments are needed."""
@@ -35,6 +38,8 @@ class Parser(argparse.ArgumentParser):
 
     def parse_known_args(self, args: Any = None, namespace: Any = None) -> tuple[Any, list[str]]:
         """Nothing is left unknown."""
+        if args and args[0] in self.words:
+            return self.words[args[0]].parse_known_args(args[1:], namespace)
         self.fill()
         known, unknown = super().parse_known_args(args, namespace)
         if unknown:

@@ -29,6 +29,7 @@ from app.messages.attention import (
     LaneRow,
     Lanes,
     LaneState,
+    Motive,
     OmegaWeights,
     Reason,
     ReasonState,
@@ -52,6 +53,7 @@ from app.messages.emotions import (
     EmotionState,
     Modulation,
     RaisedIntensity,
+    ShownEmotion,
 )
 from app.messages.energy import BatteryState, DockingState, DockingStatus, DockSighting
 from app.messages.landmarks import DisplacedLandmark, DisplacedLandmarks, Keyframes, LandmarkPose
@@ -227,6 +229,7 @@ __all__ = [
     "ModuleReport",
     "ModuleRole",
     "ModuleStatus",
+    "Motive",
     "NavigationReport",
     "NavigationStatus",
     "OccupancyGrid",
@@ -267,6 +270,7 @@ __all__ = [
     "SceneTruth",
     "SelectedStrategy",
     "SeparatedSound",
+    "ShownEmotion",
     "ShownMedia",
     "SoundClass",
     "SoundSource",

@@ -16,6 +16,8 @@ from app.messages.base import Stamp, doc
 from app.messages.emotions import Modulation
 
 SourceKind = Literal["motivation", "operator", "rest"]
+#: Kinds of motivations (EMIB; thesis 2.1.2).
+Motive = Literal["instinctive", "rational", "emotional"]
 ReasonState = Literal["fulfilled", "degraded", "unfulfilled", "inhibited"]
 LaneState = Literal["fulfilled", "degraded", "unfulfilled", "inhibited", "undesired", "needed"]
 EventKind = Literal[
@@ -57,6 +59,13 @@ class Source:
     rule: Annotated[str, doc("The rule that it came by; empty: by none.")] = ""
     event: Annotated[str, doc("What made the rule apply, in words; empty without a rule.")] = ""
     applied: Annotated[float | None, doc("When the rule applied (robot's clock, s); null without a rule.")] = None
+    motive: Annotated[
+        Motive | None,
+        doc(
+            "Of a motivation, its kind: `instinctive` (what the robot itself needs), `rational` (its task) or "
+            "`emotional` (conflicts, feelings); null: it is no motivation, or says none."
+        ),
+    ] = None
 
 
 class Desire(Struct, frozen=True, rename={"cls": "class"}):

@@ -67,7 +67,8 @@ class Exploitation:
     """Which behavior's command the arbiter of an actuator group let through: ``behavior`` is None without any.
 
     ``limited``: in words, why a check in front of the group (the base's collision monitor) slowed or stopped it, ""
-    where none did. ``twist`` is what the base was given, zero for another ``group``.
+    where none did. ``twist`` is what the base was given, zero for another ``group``. ``outdone``: behaviors that
+    command the group as well and were not let through.
     """
 
     stamp: float
@@ -75,6 +76,7 @@ class Exploitation:
     twist: Twist
     limited: str = ""
     group: str = "base"
+    outdone: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -47,6 +47,21 @@ class RaisedIntensity(Struct, frozen=True, rename={"cls": "class"}):
 
 
 @dataclass(frozen=True, slots=True)
+class ShownEmotion:
+    """The emotion that face and voice show, one at a time."""
+
+    emotion: Emotion
+    strength: Annotated[float, doc("How strongly it shows: over 0, to 1.")]
+    desire: Annotated[
+        str,
+        doc(
+            "Id of the desire Express that is stated for the face; empty: none, since another expression is desired, "
+            "or the robot has no face."
+        ),
+    ] = ""
+
+
+@dataclass(frozen=True, slots=True)
 class EmotionState:
     """What is felt; published on change, at most once a second."""
 
@@ -54,3 +69,5 @@ class EmotionState:
     emotions: Annotated[tuple[EmotionLevel, ...], doc("Joy, anger, sadness, fear, in this order.")]
     modulates: Annotated[bool, doc("Whether emotions raise the intensity of desires that are ignored.")]
     raised: Annotated[tuple[RaisedIntensity, ...], doc("The desires that are raised now.")] = ()
+    shows: Annotated[bool, doc("Whether face and voice show what is felt.")] = False
+    shown: Annotated[ShownEmotion | None, doc("What they show now; null: nothing.")] = None

@@ -11,6 +11,7 @@ import numpy as np
 import soundfile
 
 from app.speech.estimate import estimated_mouth, estimated_words
+from app.speech.manner import USUAL, Manner
 from app.speech.utterance import SpeechError, Utterance
 
 #: Greatest length (s) of the sound of one sentence.
@@ -27,8 +28,8 @@ class CommandEngine:
         self._command = tuple(command)
         self._timeout_s = timeout_s
 
-    def synthesize(self, text: str, language: str) -> Utterance:
-        """``text`` as the program's file has it; times are estimated. Raises SpeechError."""
+    def synthesize(self, text: str, language: str, manner: Manner = USUAL) -> Utterance:
+        """``text`` as the program's file has it, in its own manner; times are estimated. Raises SpeechError."""
         # A text that begins with a dash would be taken for an option.
         safe = f" {text}" if text.startswith("-") else text
         with tempfile.TemporaryDirectory(prefix="hbba-speech-") as folder:

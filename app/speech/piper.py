@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from app.speech.estimate import estimated_mouth, estimated_words
+from app.speech.manner import USUAL, Manner
 from app.speech.text_spans import words_of
 from app.speech.utterance import MouthMoment, SpeechError, SpokenWord, Utterance
 from app.speech.visemes import of_phoneme
@@ -33,8 +34,9 @@ class Piper:
         self._model = model
         self._voice: Any = None
 
-    def synthesize(self, text: str, language: str) -> Utterance:
-        """``text`` by this voice, with times of phonemes where ``onnx`` is installed, else estimated ones.
+    def synthesize(self, text: str, language: str, manner: Manner = USUAL) -> Utterance:
+        """``text`` by this voice, with times of phonemes where ``onnx`` is installed, else estimated ones. Of
+        ``manner`` it has the rate; the pitch is the voice's own.
 
         Raises SpeechError where Piper is not installed, the file is no voice, or the voice has another language.
         """
@@ -43,7 +45,8 @@ class Piper:
         own = str(self._voice.config.espeak_voice)
         if language and language.partition("-")[0] != own.partition("-")[0]:
             raise SpeechError(f"the Piper voice speaks {own!r}, not {language!r}: give that language another engine")
-        chunks = list(self._voice.synthesize(text, include_alignments=True))
+        hastened = None if manner.rate == 1.0 else _at_rate(self._voice, manner.rate)
+        chunks = list(self._voice.synthesize(text, hastened, include_alignments=True))
         if not chunks:
             return Utterance(text, np.zeros(0, np.int16), 22_050, duration_s=0.0, words=(), mouth=())
         rate = int(chunks[0].sample_rate)
@@ -83,6 +86,13 @@ def words_by_phonemes(text: str, phonemes: Sequence[Timed]) -> tuple[SpokenWord,
     if len(groups) != len(spans):
         return ()
     return tuple(SpokenWord(*span, group[0][1], group[-1][2]) for span, group in zip(spans, groups, strict=True))
+
+
+def _at_rate(voice: Any, rate: float) -> Any:
+    """Settings by which ``voice`` speaks ``rate`` times as fast as it does."""
+    from piper import SynthesisConfig
+
+    return SynthesisConfig(length_scale=voice.config.length_scale / rate)
 
 
 def _loaded(model: Path | None) -> Any:

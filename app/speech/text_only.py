@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from app.speech.estimate import estimated_duration_s, estimated_mouth, estimated_words
+from app.speech.manner import USUAL, Manner
 from app.speech.utterance import Utterance
 
 _RATE = 16_000
@@ -16,8 +17,8 @@ class TextOnly:
     def __init__(self, words_per_minute: float = 160.0) -> None:
         self._words_per_minute = words_per_minute
 
-    def synthesize(self, text: str, language: str) -> Utterance:
-        """No samples; estimated times."""
+    def synthesize(self, text: str, language: str, manner: Manner = USUAL) -> Utterance:
+        """No samples; estimated times, which no ``manner`` changes: it is read, not heard."""
         duration_s = estimated_duration_s(text, self._words_per_minute)
         words = estimated_words(text, duration_s)
         mouth = estimated_mouth(text, words)

@@ -9,6 +9,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from app.speech.manner import USUAL, Manner
 from app.speech.visemes import Viseme
 
 
@@ -61,6 +62,7 @@ class Utterance:
 class SpeechEngine(Protocol):
     """A speech synthesis. One thread at a time."""
 
-    def synthesize(self, text: str, language: str) -> Utterance:
-        """``text`` in ``language`` (a tag such as ``en`` or ``fr``). Raises SpeechError."""
+    def synthesize(self, text: str, language: str, manner: Manner = USUAL) -> Utterance:
+        """``text`` in ``language`` (a tag such as ``en`` or ``fr``), spoken in ``manner`` as far as it can. Raises
+        SpeechError."""
         ...

@@ -63,9 +63,9 @@ class Sink:
 
 
 class Setting:
-    def __init__(self, table: StrategyTable = TABLE, **options: Any) -> None:
+    def __init__(self, table: StrategyTable = TABLE, classes: DesireClasses = CLASSES, **options: Any) -> None:
         self.clock = VirtualClock()
-        self.workspace = IntentionWorkspace(CLASSES, self.clock.now)
+        self.workspace = IntentionWorkspace(classes, self.clock.now)
         self.bank = Bank(table.filters | {"Kinect.images"})
         self.sink = Sink()
         self.timeline = Timeline(1000, self.clock.now)

@@ -41,7 +41,7 @@ class Play:
         self.now = 1000.0
         numbers = count(1)
         self.workspace = IntentionWorkspace(CLASSES, lambda: self.now, new_id=lambda: f"d-{next(numbers)}")
-        self.desires = RuleDesires(self.workspace, "Rules")
+        self.desires = RuleDesires(self.workspace, Source("motivation", "Rules", motive="rational"))
         self.engine = RuleEngine(made(rules))
         self.refused = self.desires.apply(self.engine.start(self.now, self.desired))
 
@@ -91,7 +91,9 @@ def test_an_event_adds_a_desire_that_says_why_it_is_here() -> None:
     play.face()
     (desire,) = play.workspace.desires()
     assert (desire.cls, desire.intensity, desire.params) == ("Say", 3, {"text": "Hello 7"})
-    assert desire.source == Source("motivation", "Rules", rule="one", event="face.appears 7", applied=1001.0)
+    assert desire.source == Source(
+        "motivation", "Rules", rule="one", event="face.appears 7", applied=1001.0, motive="rational"
+    )
     report = play.report()
     assert (report.fired, report.last_fired, report.last_event) == (1, 1001.0, "face.appears 7")
     assert report.desires == (desire.id,)

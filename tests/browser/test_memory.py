@@ -18,7 +18,7 @@ from app.maps.library import MapLibrary
 from app.memory.kept import Kept
 from app.memory.memory import Limits, Memory
 from app.memory.store import MemoryStore
-from app.messages import Desire, PerceptEvent, Source
+from app.messages import Desire, EmotionLevel, EmotionState, PerceptEvent, ShownEmotion, Source
 from app.program.config import load_configuration
 from app.program.system import System
 from tests.browser.checks import axe_script, violations
@@ -48,6 +48,13 @@ class Remembering:
         """A face appears."""
         event = PerceptEvent(time.time(), "face.appears", "face", "1", "kinect", time.time(), 0.9, None, None)
         self.loop.call_soon_threadsafe(self.system.graph.channel("percept_events").publish, event)
+
+    def shows_joy(self, desire: str) -> None:
+        """Joy shows, by ``desire``."""
+        joy = EmotionLevel("joy", 0.6, ())
+        shown = ShownEmotion("joy", 0.5, desire)
+        state = EmotionState(time.time(), (joy,), modulates=False, shows=True, shown=shown)
+        self.loop.call_soon_threadsafe(self.system.graph.channel("emotions").publish, state)
 
 
 def remember(folder: Path) -> None:
@@ -116,6 +123,15 @@ def test_what_is_recognized_and_expected_is_shown_and_episodes_are_deleted_and_e
     expect(page.get_by_test_id("memory-event")).to_have_text(["someone"])
     expect(page.get_by_test_id("memory-expected")).to_have_text(["expected “how heavy”", "expected Say"])
     expect(page.get_by_test_id("memory-raised")).to_have_text("So it desires Listen (2).")
+
+    page.get_by_test_id("tab-attention").click()
+    row = page.locator("[data-testid=desire-row][data-class=Listen]")
+    expect(row.locator(".desire-by")).to_have_text("by Episodic memory, episode 1, for its task")
+    robot.shows_joy(row.get_attribute("data-id") or "")
+    expect(row.locator(".desire-by")).to_contain_text("for its task · shows joy")
+    joy = page.locator("[data-testid=emotions] [data-emotion=joy]")
+    expect(joy).to_have_attribute("aria-description", "No desire feeds it now.\nFace and voice show it.")
+    page.get_by_test_id("tab-memory").click()
 
     with page.expect_download() as download:
         page.get_by_test_id("memory-export").click()

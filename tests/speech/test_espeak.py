@@ -10,6 +10,7 @@ import pytest
 
 from app.speech import espeak
 from app.speech.espeak import Espeak
+from app.speech.manner import USUAL, Manner
 from app.speech.utterance import SpeechError, Utterance
 from app.speech.visemes import Viseme
 
@@ -75,6 +76,37 @@ def test_voices_differ_and_any_text_is_safe() -> None:
     whole = Espeak().synthesize("hello\0 world <break time='9s'/>", "en")
     assert said(whole)[:2] == ["hello\0", "world"]
     assert Espeak().synthesize("", "en").words == ()
+
+
+@needs_espeak
+def test_a_manner_hastens_and_raises_the_voice_by_its_shares_within_bounds() -> None:
+    text = "Mary ran away in early morning."
+    usual, fast, high = (
+        Espeak("m3").synthesize(text, "en", manner) for manner in (USUAL, Manner(1.12), Manner(1, 1.12))
+    )
+    assert usual.duration_s / fast.duration_s == pytest.approx(1.12, abs=0.08)
+    assert pitch_hz(high) / pitch_hz(usual) == pytest.approx(1.12, abs=0.05)
+    assert high.duration_s == pytest.approx(usual.duration_s, rel=0.05)
+    assert said(fast) == said(high) == text.split()
+    with pytest.raises(ValueError, match="the rate of speaking is a number over 0, not 0"):
+        Manner(rate=0)
+    assert Espeak(words_per_minute=450, pitch=99).synthesize("hello", "en", Manner(2, 2)).duration_s > 0
+
+
+def pitch_hz(utterance: Utterance) -> float:
+    """The median frequency of the voice, by autocorrelation of its loud parts."""
+    size, rate = round(0.05 * utterance.rate), utterance.rate
+    frames = utterance.samples[: len(utterance.samples) // size * size].reshape(-1, size).astype(float)
+    loud = frames[np.std(frames, axis=1) > 0.3 * np.std(utterance.samples)]
+    lags = np.arange(rate // 300, rate // 60)
+    found = []
+    for frame in loud - loud.mean(axis=1, keepdims=True):
+        likeness = [
+            frame[lag:] @ frame[:-lag] / np.sqrt((frame[lag:] @ frame[lag:]) * (frame[:-lag] @ frame[:-lag]))
+            for lag in lags
+        ]
+        found.append(rate / lags[int(np.argmax(likeness))])
+    return float(np.median(found))
 
 
 @needs_espeak

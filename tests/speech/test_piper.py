@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from app.speech.manner import Manner
 from app.speech.piper import Piper, timed_phonemes, words_by_phonemes
 from app.speech.utterance import SpeechError
 from app.speech.visemes import Viseme
@@ -58,5 +59,8 @@ def test_joe_speaks_english_alone() -> None:
     assert [utterance.text[w.begin : w.end] for w in utterance.words] == utterance.text.split()
     assert 1.5 < utterance.duration_s < 6
     assert Viseme.CLOSED in {moment.viseme for moment in utterance.mouth}
+    fast = voice.synthesize("Welcome to the laboratory. Mind the step.", "en", Manner(rate=1.6, pitch=1.12))
+    # What it says differs by some hundredths each time.
+    assert 1.1 < utterance.duration_s / fast.duration_s < 1.7
     with pytest.raises(SpeechError, match="speaks 'en-us', not 'fr'"):
         voice.synthesize("bonjour", "fr")

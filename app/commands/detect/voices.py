@@ -170,7 +170,8 @@ def _array_report(path: Path, check: ArrayCheck, array: Path) -> dict[str, Any]:
         report["warning"] = (
             f"the microphones' positions do not explain what they heard ({share:.0f} % of what they agree on in "
             f"{check.moments} loud moments, where right positions explain {least:.0f} % and more), so directions are "
-            f"wrong: check the order of the channels, the positions (m) and body_m in {array}"
+            f"wrong: check the order of the channels, the positions (m) and body_m in {array}, or measure them with "
+            "`hbba calibrate microphones`"
         )
         print(f"{COMMAND}: {path}: {report['warning']}", file=sys.stderr)
     return report

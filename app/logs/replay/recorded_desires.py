@@ -86,7 +86,7 @@ class RecordedDesires:
                 utility=desire.utility,
                 security=desire.security,
                 params=desire.params,
-                source=Source(kind, desire.source.name),
+                source=Source(kind, desire.source.name, motive=desire.source.motive),
                 ttl=ttl,
             )
         except (UnknownDesireClass, InvalidDesire) as failure:

@@ -44,14 +44,27 @@ def arbitrate(
     that is not ``usable`` counts as none. Among equal priorities the contender listed first wins.
     """
     winner: Contender | None = None
-    for contender in contenders:
-        command = commands.get(contender.input)
-        # The comparison is written so that a NaN stamp is not fresh.
-        if command is None or not abs(now - command.stamp) <= max_age_s or not usable(command):
-            continue
+    for contender in fresh(now, commands, contenders, max_age_s, usable):
         if winner is None or contender.priority > winner.priority:
             winner = contender
     return None if winner is None else (winner.behavior, commands[winner.input])
+
+
+def fresh(
+    now: float,
+    commands: Mapping[str, C],
+    contenders: Sequence[Contender],
+    max_age_s: float,
+    usable: Callable[[C], bool],
+) -> list[Contender]:
+    """The contenders whose command is fresh and usable, as :func:`arbitrate` takes them."""
+    found = []
+    for contender in contenders:
+        command = commands.get(contender.input)
+        # The comparison is written so that a NaN stamp is not fresh.
+        if command is not None and abs(now - command.stamp) <= max_age_s and usable(command):
+            found.append(contender)
+    return found
 
 
 def twist_is_finite(twist: Twist) -> bool:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import replace
 from functools import partial
 from typing import ClassVar, Generic, Self
 
 from pydantic import Field, model_validator
 
 from app.messages import Exploitation
-from app.modules.actuation.arbitration import C, Contender, arbitrate
+from app.modules.actuation.arbitration import C, Contender, arbitrate, fresh
 from app.runtime.module import Module, ModuleContext, Settings
 
 
@@ -95,4 +96,13 @@ class GroupArbiter(Module, ABC, Generic[C]):
 
     def _publish(self) -> None:
         self._reported = self.driver, bool(self.limited)
-        self.exploitation.publish(self.report(self.clock.now()))
+        now = self.clock.now()
+        report, outdone = self.report(now), self._outdone(now)
+        self.exploitation.publish(replace(report, outdone=outdone) if outdone else report)
+
+    def _outdone(self, now: float) -> tuple[str, ...]:
+        if self.driver is None:
+            return ()
+        heard = fresh(now, self._commands, self.settings.behaviors, self.settings.max_age_s, self.usable)
+        names = (each.behavior for each in heard if not each.unattended and each.behavior != self.driver)
+        return tuple(dict.fromkeys(names))

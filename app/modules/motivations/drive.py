@@ -19,9 +19,10 @@ from typing import Any, ClassVar, Self
 
 from pydantic import Field, model_validator
 
-from app.attention.desires import SCALE, Source
+from app.attention.desires import SCALE
 from app.attention.workspace import IntentionWorkspace, UnknownDesire
-from app.runtime.module import Module, ModuleContext, Settings
+from app.modules.motivations.motivation import Motivation
+from app.runtime.module import ModuleContext, Settings
 
 _BEAT_S = 1.0
 #: Intensities change in such steps: each change is a problem to solve.
@@ -60,9 +61,10 @@ def urge(level: float, before: float, settings: DriveSettings) -> float:
     return max(settings.least, math.floor(wanted / _STEP + 1e-9) * _STEP)
 
 
-class Drive(Module):
+class Drive(Motivation):
     """A need that grows: the base class. A desire of it that ends, in whatever way, sates it wholly."""
 
+    motive = "instinctive"
     #: Class of the desires that it states.
     drive_class: ClassVar[str]
     Settings = DriveSettings
@@ -116,9 +118,12 @@ class Drive(Module):
         if self._urge == 0.0:
             self._sleep()
         elif self._stated is None:
-            source, params = Source("motivation", self.name), self.drive_parameters()
             self._stated = self._workspace.add(
-                self.drive_class, intensity=self._urge, utility=1.0, source=source, params=params
+                self.drive_class,
+                intensity=self._urge,
+                utility=1.0,
+                source=self.source,
+                params=self.drive_parameters(),
             ).id
         elif before != self._urge:
             self._workspace.change(self._stated, intensity=self._urge)

@@ -1,9 +1,12 @@
-"""ProgressSupervisor: the motivation that acts on goals without progress.
+"""ProgressSupervisor: the motivation that acts on goals without progress, and on behaviors that are outdone.
 
     ┌─────────────────────────────────────────────────────────────────────────────────────────┐
     │ ProgressSupervisor  in   navigation    NavigationStatus, as they come                    │
     │                     in   going_toward  NavigationStatus, as they come; may be absent     │
-    │                     in   exploitation  Exploitation, 10 Hz                               │
+    │                     in   exploitation  Exploitation of the base, 10 Hz                   │
+    │                     in   desires       Desires: what is exploited; may be absent         │
+    │                     in   intention     IntentionReport; may be absent                    │
+    │                     in   any other     Exploitation of another arbiter                   │
     │                     edits desires of class GoTo, and inhibits others for a time          │
     └─────────────────────────────────────────────────────────────────────────────────────────┘
 
@@ -12,6 +15,9 @@ While a desire of class GoTo makes no progress (``distress.py``) the module firs
 classes ``inhibits``, which compete for CPU, by desires of utility 0; security desires cannot be inhibited. Both
 measures end with progress or with the goal; the inhibiting desires also expire. Finally the goal is given up: all
 desires for it have failed, and people are asked for help. Manual driving is no distress.
+
+With ``conflict_s``, two behaviors that command one actuator group for so long are distress as well: the class of the
+one that is outdone is inhibited until the other lets go (``conflicts.py``, ``conflict_relief.py``).
 """
 
 from __future__ import annotations
@@ -21,11 +27,12 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from app.attention.desires import SCALE, Desire, Source
+from app.attention.desires import SCALE, Desire
 from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace, UnknownDesire
 from app.base.geometry import Pose2
-from app.messages import Accomplishment, Exploitation, NavigationStatus
+from app.messages import Accomplishment, Desires, Exploitation, IntentionReport, Message, NavigationStatus
+from app.modules.motivations.conflict_relief import ConflictRelief
 from app.modules.motivations.distress import (
     Act,
     DistressState,
@@ -39,7 +46,9 @@ from app.modules.motivations.distress import (
     same_goal,
     status_of,
 )
-from app.runtime.module import Module, ModuleContext, Settings
+from app.modules.motivations.motivation import Motivation
+from app.runtime.errors import ModuleFailed
+from app.runtime.module import ModuleContext, Settings
 
 GO_TO = "GoTo"
 _BEAT_S = 0.25
@@ -59,6 +68,12 @@ class ProgressSupervisorSettings(Settings):
     utility: float = Field(SCALE, gt=0, le=SCALE, description="desired of the class insisted on")
     inhibits: tuple[str, ...] = Field((), description="desire classes that are inhibited, of those there are")
     by_hand: str = Field("Teleop", description="the behavior that people drive by")
+    conflict_s: float | None = Field(
+        None, gt=0, le=3600, description="a behavior that another one outdoes for so long is distress; null: none is"
+    )
+    hands: tuple[str, ...] = Field(
+        ("Teleop", "HeadTeleop"), description="behaviors by which people move the robot: they outdo others rightly"
+    )
 
     @model_validator(mode="after")
     def _in_order(self) -> Self:
@@ -70,8 +85,9 @@ class ProgressSupervisorSettings(Settings):
         return DistressTimes(self.insist_s, self.inhibit_s, self.give_up_s, self.unreachable_s, self.relief_s)
 
 
-class ProgressSupervisor(Module):
+class ProgressSupervisor(Motivation):
     title = "Progress supervisor"
+    motive = "emotional"
     Settings = ProgressSupervisorSettings
     settings: ProgressSupervisorSettings
 
@@ -95,13 +111,39 @@ class ProgressSupervisor(Module):
         #: The desire insisted on, before and after its intensity was raised.
         self._insisted: tuple[Desire, Desire] | None = None
         self._inhibiting: list[str] = []
+        self._relief: ConflictRelief | None = None
+        self.desires = self.input("desires", Desires, wants="never")
+        self.intention = self.input("intention", IntentionReport, wants="never")
+        self.on(self.desires, self._take_desires)
+        self.on(self.intention, self._take_intention)
+
+    def accept(self, name: str, message_type: type[Message]) -> None:
+        """Take what another arbiter lets through."""
+        if message_type is Exploitation:
+            self.on(self.input(name, Exploitation, wants="never"), self._take_other)
+
+    def check_wiring(self) -> None:
+        """Raises ModuleFailed where conflicts are to be judged without what they are judged by."""
+        if self.settings.conflict_s is None:
+            return
+        if missing := [port.name for port in (self.desires, self.intention) if not port.connected]:
+            raise ModuleFailed(
+                f"{self.name} judges conflicts (conflict_s) by what is desired and intended: wire its "
+                f"{'inputs' if len(missing) > 1 else 'input'} {' and '.join(missing)}"
+            )
 
     async def start(self) -> None:
         self._workspace = self.service(IntentionWorkspace)
         self._timeline = self.service(Timeline)
+        if self.settings.conflict_s is not None:
+            self._relief = ConflictRelief(
+                self._workspace, self._timeline, self.source, self.settings.conflict_s, self.settings.hands
+            )
 
     async def stop(self) -> None:
         """Restore the desires as people gave them."""
+        if self._relief is not None:
+            self._relief.restore()
         if self._insisted is not None or self._inhibiting:
             self._restore()
 
@@ -111,9 +153,24 @@ class ProgressSupervisor(Module):
 
     async def _take_exploitation(self, exploitation: Exploitation) -> None:
         self._exploited = exploitation
+        await self._take_other(exploitation)
+
+    async def _take_other(self, exploitation: Exploitation) -> None:
+        if self._relief is not None:
+            self._relief.take(exploitation)
+
+    async def _take_desires(self, desires: Desires) -> None:
+        if self._relief is not None:
+            self._relief.take_desires(desires)
+
+    async def _take_intention(self, intention: IntentionReport) -> None:
+        if self._relief is not None:
+            self._relief.take_intention(intention)
 
     async def _supervise(self) -> None:
         now = self.clock.now()
+        if self._relief is not None:
+            self._relief.supervise(now)
         desire = self._workspace.strongest().get(GO_TO)
         if desire is not None and desire.utility == 0:
             desire = None  # another desire inhibits the class
@@ -178,8 +235,7 @@ class ProgressSupervisor(Module):
         for cls in silenced:
             # Expires by itself in case this module fails first.
             until_s = self.settings.give_up_s - self.settings.inhibit_s + self.settings.relief_s
-            source = Source("motivation", self.name)
-            added = self._workspace.add(cls, intensity=SCALE, utility=0.0, ttl=until_s, source=source)
+            added = self._workspace.add(cls, intensity=SCALE, utility=0.0, ttl=until_s, source=self.source)
             self._inhibiting.append(added.id)
         return silenced
 

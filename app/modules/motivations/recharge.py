@@ -17,11 +17,12 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from app.attention.desires import SCALE, Source
+from app.attention.desires import SCALE
 from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace, UnknownDesire
 from app.messages import BatteryState
-from app.runtime.module import Module, ModuleContext, Settings
+from app.modules.motivations.motivation import Motivation
+from app.runtime.module import ModuleContext, Settings
 
 DOCK = "Dock"
 #: Intensities change in such steps: each change is a problem to solve.
@@ -57,10 +58,11 @@ def intensity_at(charge: float, before: float, settings: RechargeSettings) -> fl
     return min(settings.most, max(settings.least, math.floor(wanted / _STEP + 1e-9) * _STEP))
 
 
-class Recharge(Module):
+class Recharge(Motivation):
     """Desires to dock while the battery is low."""
 
     title = "Recharge"
+    motive = "instinctive"
     Settings = RechargeSettings
     settings: RechargeSettings
 
@@ -92,8 +94,7 @@ class Recharge(Module):
         if self._desire is not None:
             self._keep(now, self._desire)
         elif now >= self._not_before:
-            source = Source("motivation", self.name)
-            added = self._workspace.add(DOCK, intensity=self._intensity, utility=1.0, source=source)
+            added = self._workspace.add(DOCK, intensity=self._intensity, utility=1.0, source=self.source)
             self._desire = added.id
 
     def _keep(self, now: float, desire_id: str) -> None:

@@ -17,10 +17,11 @@ from functools import partial
 
 from pydantic import Field
 
-from app.attention.desires import SCALE, Source
+from app.attention.desires import SCALE
 from app.attention.workspace import IntentionWorkspace, UnknownDesire
 from app.messages import Exploitation
-from app.runtime.module import Module, ModuleContext, Settings
+from app.modules.motivations.motivation import Motivation
+from app.runtime.module import ModuleContext, Settings
 
 REST = "Rest"
 #: The desire leaves by itself after so long (s).
@@ -44,10 +45,11 @@ class _Arm:
     desire: str | None = None
 
 
-class RestAfterGesture(Module):
+class RestAfterGesture(Motivation):
     """Desires that an arm rests after a gesture."""
 
     title = "Rest after a gesture"
+    motive = "instinctive"
     Settings = RestAfterGestureSettings
     settings: RestAfterGestureSettings
 
@@ -83,7 +85,7 @@ class RestAfterGesture(Module):
                 utility=self.settings.utility,
                 params={"arm": side},
                 ttl=_EXPIRES_S,
-                source=Source("motivation", self.name),
+                source=self.source,
             ).id
 
     def _withdraw(self, arm: _Arm) -> None:

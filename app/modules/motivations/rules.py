@@ -24,9 +24,10 @@ from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace
 from app.base.errors import ConfigError
 from app.messages import PERCEPT_KINDS, Localization, Message, PerceptEvent, PerceptKind, Places, RulesReport, Zones
+from app.modules.motivations.motivation import Motivation
 from app.modules.motivations.whereabouts import Whereabouts
 from app.runtime.channel_table import ChannelTable
-from app.runtime.module import Caution, Module, ModuleContext, Settings
+from app.runtime.module import Caution, ModuleContext, Settings
 
 #: Messages of a channel that may wait.
 _CAPACITY = 64
@@ -41,7 +42,7 @@ class RulesSettings(Settings):
     """Settings of Rules: none but the program's ``rules``."""
 
 
-class Rules(Module):
+class Rules(Motivation):
     title = "Rules"
     Settings = RulesSettings
     settings: RulesSettings
@@ -103,7 +104,7 @@ class Rules(Module):
         """Put the rules in force."""
         self._workspace = self.service(IntentionWorkspace)
         self._timeline = self.service(Timeline)
-        self._desires = RuleDesires(self._workspace, self.name)
+        self._desires = RuleDesires(self._workspace, self.source)
         if not self._loaded:  # an instance after a restart: the rules in force stay, whatever their files are by now
             self._loaded, self._problem = self.persistent.get(_IN_FORCE, ((), ""))
         if not self._loaded:

@@ -22,10 +22,10 @@ from typing import Any
 
 from pydantic import BaseModel, Field
 
-from app.attention.desires import Source
 from app.attention.workspace import IntentionWorkspace, UnknownDesire
 from app.messages import Landmarks, LoudNoise, SoundSources
-from app.runtime.module import Module, ModuleContext, Settings
+from app.modules.motivations.motivation import Motivation
+from app.runtime.module import ModuleContext, Settings
 
 LISTEN = "LocateVoices"
 _BEAT_S = 0.25
@@ -60,7 +60,7 @@ class ScenarioCoordinatorSettings(Settings):
     voice: float = Field(0.5, ge=0, le=1, description="a source at least this probably speech is a voice")
 
 
-class ScenarioCoordinator(Module):
+class ScenarioCoordinator(Motivation):
     title = "Scenario coordinator"
     Settings = ScenarioCoordinatorSettings
     settings: ScenarioCoordinatorSettings
@@ -98,7 +98,7 @@ class ScenarioCoordinator(Module):
                     utility=desire.utility,
                     security=desire.security,
                     params=desire.params,
-                    source=self._source,
+                    source=self.source,
                 )
                 posted.append(added.id)
         self._posted = posted
@@ -115,10 +115,6 @@ class ScenarioCoordinator(Module):
                 except UnknownDesire:
                     self.log.info("desire %s was already gone", desire_id)
         self._posted, self._listening = [], None
-
-    @property
-    def _source(self) -> Source:
-        return Source("motivation", self.name)
 
     async def _take_landmarks(self, message: Landmarks) -> None:
         for landmark in message.landmarks[self._known :]:
@@ -156,4 +152,4 @@ class ScenarioCoordinator(Module):
             except UnknownDesire:
                 pass  # it expired or was removed
         self.log.info("listens for voices: heard %s", because)
-        self._listening = workspace.add(LISTEN, intensity=8, utility=1, ttl=listen_s, source=self._source).id
+        self._listening = workspace.add(LISTEN, intensity=8, utility=1, ttl=listen_s, source=self.source).id

@@ -197,7 +197,8 @@ class VoiceLocalizer(Module):
                 self._doubted = True
                 self.log.warning(
                     "the microphones' positions do not explain what they hear: directions are wrong. Check the "
-                    "order and the positions (m) of the microphones in the robot's file",
+                    "order and the positions (m) of the microphones in the robot's file; `hbba calibrate microphones` "
+                    "measures both",
                     extra={"frame": audio.frame, "explained_percent": round(100 * pipeline.array_check.share)},
                 )
 

@@ -375,6 +375,10 @@ class EmotionState(Struct, kw_only=True, frozen=True):
     """Whether emotions raise the intensity of desires that are ignored."""
     raised: list[RaisedIntensity]
     """The desires that are raised now."""
+    shows: bool
+    """Whether face and voice show what is felt."""
+    shown: ShownEmotion | None
+    """What they show now; null: nothing."""
 
 
 class EpisodeDeed(Struct, kw_only=True, frozen=True, rename={"class_": "class"}):
@@ -2023,6 +2027,18 @@ class Session(Struct, kw_only=True, frozen=True):
     """What it may do here."""
 
 
+class ShownEmotion(Struct, kw_only=True, frozen=True):
+    """The emotion that face and voice show, one at a time."""
+
+    emotion: Literal["anger", "fear", "joy", "sadness"]
+    strength: float
+    """How strongly it shows: over 0, to 1."""
+    desire: str
+    """Id of the desire Express that is stated for the face; empty: none, since another expression is desired, or the
+    robot has no face.
+    """
+
+
 class ShownMedia(Struct, kw_only=True, frozen=True):
     """A picture or a video that visitors are shown."""
 
@@ -2047,6 +2063,10 @@ class Source(Struct, kw_only=True, frozen=True):
     """What made the rule apply, in words; empty without a rule."""
     applied: float | None
     """When the rule applied (robot's clock, s); null without a rule."""
+    motive: Literal["emotional", "instinctive", "rational"] | None
+    """Of a motivation, its kind: `instinctive` (what the robot itself needs), `rational` (its task) or `emotional`
+    (conflicts, feelings); null: it is no motivation, or says none.
+    """
 
 
 class SourceState(Struct, kw_only=True, frozen=True):

@@ -34,6 +34,7 @@ from app.messages import (
     SaliencyMap,
     SalientRegion,
     SalientRegions,
+    ShownEmotion,
     ShownMedia,
     Speech,
     TourFailure,
@@ -93,7 +94,9 @@ def say_everything(system: System, body: Body) -> None:
     )  # fmt: skip
     system.graph.channel("memory").publish(memory)
     angry = EmotionLevel("anger", 0.6, (EmotionSource("GoTo", 0.5, neglected=True),))
-    emotions = EmotionState(now, (angry,), modulates=True, raised=(RaisedIntensity("d-1", "GoTo", 1.0, "anger"),))
+    raised = RaisedIntensity("d-1", "GoTo", 1.0, "anger")
+    shown = ShownEmotion("anger", 0.5, "d-2")
+    emotions = EmotionState(now, (angry,), modulates=True, raised=(raised,), shows=True, shown=shown)
     system.graph.channel("emotions").publish(emotions)
     rule = RuleReport(
         "greet", "for visitors", words="when a face appears", file="rules.yaml", line=3, enabled=True, holds=None,

@@ -47,7 +47,8 @@ async def test_the_highest_priority_commands_the_joints_and_is_reported() -> Non
         b.feed("look", command(b, 0.6))
         await b.settle()
         assert b.link.joint_commands[-1].positions == (-0.5,)
-        assert drain(reports)[-1].behavior == "Nod"
+        latest = drain(reports)[-1]
+        assert (latest.behavior, latest.outdone) == ("Nod", ("LookAt",))
         await b.clock.sleep(0.5)
         assert drain(reports)[-1].behavior is None
         given = len(b.link.joint_commands)
@@ -176,4 +177,5 @@ async def test_what_is_unattended_moves_without_a_strategy_and_exploits_none() -
         b.feed("look", command(b, 0.5))
         await b.settle()
         assert b.link.joint_commands[-1].positions == (0.5,)
-        assert drain(reported)[-1].behavior == "LookAt"
+        latest = drain(reported)[-1]
+        assert (latest.behavior, latest.outdone) == ("LookAt", ())

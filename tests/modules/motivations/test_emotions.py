@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 
 from app.attention.desire_progress import ProgressLog
+from app.attention.desires import DesireClasses
 from app.attention.reports import desires_report, intention_report
 from app.attention.strategies import StrategyTable
 from app.attention.workspace import IntentionWorkspace
@@ -19,7 +20,7 @@ from app.messages import Desires, EmotionLevel, EmotionSource, EmotionState, Mod
 from app.program.config import load_configuration
 from app.runtime.clock import VirtualClock, in_virtual_time
 from app.runtime.graph import Graph
-from tests.attention.setting import RIVALS, TABLE, Setting
+from tests.attention.setting import CLASSES, RIVALS, TABLE, Setting
 from tests.modules.fakes import Bench, drain
 
 MODULE = "app.modules.motivations.emotions:Emotions"
@@ -44,8 +45,10 @@ modules:
 class Robot(Setting):
     """Desires, attention and, unless ``feels`` is false, emotions; what is intended is exploited."""
 
-    def __init__(self, table: StrategyTable = RIVALS, *, feels: bool = True, **settings: Any) -> None:
-        super().__init__(table)
+    def __init__(
+        self, table: StrategyTable = RIVALS, classes: DesireClasses = CLASSES, *, feels: bool = True, **settings: Any
+    ) -> None:
+        super().__init__(table, classes)
         self._feels = feels
         self._progress = ProgressLog(10.0)
         self.emotions = Bench(
@@ -169,6 +172,8 @@ async def test_with_the_module_what_was_raised_goes_and_what_is_felt_outlasts_a_
     [
         ("{most: 9}", "most"),
         ("{decay_per_s: -0.1}", "decay_per_s"),
+        ("{shows_most: 0.1}", "shows_most"),
+        ("{shows_from: 0.2}", ""),
         ("{effects: {GoTo: {neglected: {anger: 2}}}}", "effects.GoTo.neglected.anger"),
         ("{effects: {GoTo: {neglected: {rage: 0.1}}}}", "effects.GoTo.neglected.rage"),
     ],
@@ -180,7 +185,8 @@ def test_a_setting_out_of_its_range_is_refused_with_file_and_line(tmp_path: Path
     program = tmp_path / "program.yaml"
     program.write_text(PROGRAM + f"    settings:\n      {settings}\n")
     configuration = load_configuration(program)
-    with pytest.raises(ConfigError, match=rf"program\.yaml:9: modules\.Emotions\.settings\.{said}:") as refusal:
+    where = "settings" + (f"\\.{said}" if said else "")
+    with pytest.raises(ConfigError, match=rf"program\.yaml:\d: modules\.Emotions\.{where}:") as refusal:
         Graph(
             clock=VirtualClock(),
             channels=configuration.channels,

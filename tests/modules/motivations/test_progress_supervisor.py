@@ -277,7 +277,7 @@ def test_inhibiting_ends_by_itself_if_it_is_not_taken_back() -> None:
             life.workspace.add("LocateFaces", intensity=8, utility=1, source=ADA)
             await life.pass_time(12, "following", life.go())
             inhibiting = life.workspace.strongest()["LocateFaces"]
-            assert inhibiting.source == Source("motivation", "Tested")
+            assert inhibiting.source == Source("motivation", "Tested", motive="emotional")
             assert inhibiting.expires == pytest.approx(inhibiting.created + 14)
 
     run_virtual(main())

@@ -48,7 +48,7 @@ async def test_an_arm_rests_a_pause_after_its_gesture_and_only_then() -> None:
         await scene.commanded(0.5)
         assert scene.resting == ["left"]
         (desire,) = scene.workspace.desires()
-        assert desire.source == Source("motivation", "Tested")
+        assert desire.source == Source("motivation", "Tested", motive="instinctive")
         assert desire.expires is not None
         await scene.commanded(2.0, left="Rest")
         scene.workspace.remove(desire.id)  # it is done

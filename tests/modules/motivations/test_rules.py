@@ -81,7 +81,9 @@ def test_rules_desire_from_start_to_stop_and_say_what_they_did(tmp_path: Path) -
             bench.feed("loud_noises", LoudNoise(heard, 40.0, -20.0))
             await bench.settle()
             desire = play.workspace.strongest()["LocateVoices"]
-            assert desire.source == Source("motivation", "Tested", "hear", "loud_noises", heard)
+            assert desire.source == Source(
+                "motivation", "Tested", "hear", "loud_noises", applied=heard, motive="rational"
+            )
             await bench.clock.sleep(0.3)
             rules = {rule.name: rule for rule in play.report.rules}
             assert (rules["hear"].fired, rules["hear"].last_fired) == (1, heard)

@@ -73,7 +73,7 @@ def test_the_thesiss_desires_stand_while_it_lives() -> None:
                 "SLAM": (8, 1, False),
                 "Teleoperation": (8, 1, True),
             }
-            assert {d.source for d in desires.values()} == {Source("motivation", "Tested")}
+            assert {d.source for d in desires.values()} == {Source("motivation", "Tested", motive="rational")}
             assert len(changes) == 1, "one transaction, one notification"
         assert workspace.desires() == ()
         assert len(changes) == 2

@@ -3,7 +3,7 @@
 import { useSignal } from "@preact/signals";
 import { fromRobot, named, t } from "../i18n";
 import { inWords } from "../protocol/problem";
-import type { Accomplishment, Desire, DesireProgress, DesireReport } from "../protocol/types";
+import type { Accomplishment, Desire, DesireProgress, DesireReport, Source } from "../protocol/types";
 import { useApp } from "../state/context";
 import { ago, clockSpan, clockTime, number, left as remaining, spaced } from "../ui/format";
 import { LockIcon, TrashIcon } from "../ui/icons";
@@ -82,6 +82,7 @@ function Row({ desire, report, progress }: RowProps) {
   const change = (what: Partial<Pick<Desire, "intensity" | "utility">>) =>
     attempt(session.rest.changeDesire(desire.id, what));
   const name = spaced(desire.class);
+  const shown = store.of("emotions").value?.shown ?? null;
   const params = Object.entries(desire.params).filter(([, value]) => value !== "" && value !== null);
   return (
     <li
@@ -116,6 +117,7 @@ function Row({ desire, report, progress }: RowProps) {
       <p class="desire-by">
         {[
           sourceWords(desire.source),
+          shown?.desire === desire.id && t("shows {emotion}", { emotion: named(shown.emotion) }),
           report && fromRobot(report.reason),
           desire.modulation && `+${number(desire.modulation.by, 2)} (${named(desire.modulation.emotion)})`,
         ]
@@ -181,14 +183,22 @@ function TimeLeft({ expires }: { expires: number | null }) {
   return <span class="desire-left">{remaining(expires - now)}</span>;
 }
 
-function sourceWords(source: Desire["source"]): string {
+/** The motivation that desires it, and of what kind that is. */
+export function motiveWords(motive: Source["motive"], name: string): string {
+  if (motive === "instinctive") return t("by {name}, for what the robot itself needs", { name });
+  if (motive === "rational") return t("by {name}, for its task", { name });
+  if (motive === "emotional") return t("by {name}, because of a conflict or a feeling", { name });
+  return t("by {name}", { name });
+}
+
+function sourceWords(source: Source): string {
   if (source.rule)
     return t("by rule “{rule}”: {event}, {time}", {
       rule: source.rule,
       event: fromRobot(source.event),
       time: source.applied === null ? "" : clockTime(source.applied),
     });
-  if (source.kind === "motivation") return t("by {name}", { name: spaced(source.name) });
+  if (source.kind === "motivation") return motiveWords(source.motive, spaced(source.name));
   if (source.kind === "rest") return t("by {name} over REST", { name: source.name });
   return t("by {name}", { name: source.name });
 }

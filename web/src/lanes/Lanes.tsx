@@ -39,13 +39,14 @@ export const lanesPanel = panel({
 
 /** What is felt; that part of the page is loaded once something is. */
 function Felt() {
-  const levels = useApp().store.of("emotions").value?.emotions ?? [];
+  const state = useApp().store.of("emotions").value;
+  const levels = state?.emotions ?? [];
   const felt = levels.some(({ intensity }) => intensity > 0);
   const part = useSignal<typeof Feelings | null>(null);
   useEffect(() => {
     if (felt) void import("./Feelings").then((loaded) => (part.value = loaded.Feelings));
   }, [felt]);
-  return felt && part.value && <part.value levels={levels} />;
+  return felt && part.value && <part.value levels={levels} shown={state?.shown ?? null} />;
 }
 
 export function Lanes() {

@@ -1,5 +1,5 @@
 import { expect, test } from "vitest";
-import { feelingWords } from "./Feelings";
+import { feelingWords, shownWords } from "./Feelings";
 
 test("an emotion says how strong it is, and whose neglect has fed it", () => {
   const sources = [
@@ -10,4 +10,12 @@ test("an emotion says how strong it is, and whose neglect has fed it", () => {
     "anger 0.75\nGo to 0.5 (neglected)\nDock 0.25",
   );
   expect(feelingWords({ emotion: "fear", intensity: 0, sources: [] })).toBe("fear 0");
+});
+
+test("the emotion that shows says where", () => {
+  const shown = { emotion: "anger", strength: 0.5, desire: "d-1" } as const;
+  expect(shownWords("anger", shown)).toBe("Face and voice show it.");
+  expect(shownWords("anger", { ...shown, desire: "" })).toBe("The voice shows it.");
+  expect(shownWords("joy", shown)).toBe("");
+  expect(shownWords("joy", null)).toBe("");
 });

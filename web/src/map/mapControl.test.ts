@@ -12,7 +12,7 @@ const goal = (id: string, kind: Desire["source"]["kind"]): Desire => ({
   utility: 4,
   security: false,
   params: { x: 1, y: 2 },
-  source: { kind, name: kind, rule: "", event: "", applied: null },
+  source: { kind, name: kind, rule: "", event: "", applied: null, motive: null },
   created: 1,
   expires: null,
   modulation: null,

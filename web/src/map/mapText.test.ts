@@ -10,7 +10,7 @@ const desire = (some: Partial<Desire>): Desire => ({
   utility: 1,
   security: false,
   params: { x: 3, y: 4 },
-  source: { kind: "operator", name: "Ann", rule: "", event: "", applied: null },
+  source: { kind: "operator", name: "Ann", rule: "", event: "", applied: null, motive: null },
   created: 10,
   expires: null,
   modulation: null,
@@ -77,7 +77,9 @@ describe("the goal that counts", () => {
 
   test("of a motivation is not the console's", () => {
     expect(
-      goalOf([desire({ source: { kind: "motivation", name: "Tour", rule: "", event: "", applied: null } })])!.asked,
+      goalOf([
+        desire({ source: { kind: "motivation", name: "Tour", rule: "", event: "", applied: null, motive: null } }),
+      ])!.asked,
     ).toBe(false);
   });
 });

@@ -321,6 +321,10 @@ export interface EmotionState {
   modulates: boolean;
   /** The desires that are raised now. */
   raised: RaisedIntensity[];
+  /** Whether face and voice show what is felt. */
+  shows: boolean;
+  /** What they show now; null: nothing. */
+  shown: ShownEmotion | null;
 }
 
 /** An episode in a few words. */
@@ -1590,6 +1594,18 @@ export interface SelectedStrategy {
   costs: Record<string, number>;
 }
 
+/** The emotion that face and voice show, one at a time. */
+export interface ShownEmotion {
+  emotion: "anger" | "fear" | "joy" | "sadness";
+  /** How strongly it shows: over 0, to 1. */
+  strength: number;
+  /**
+   * Id of the desire Express that is stated for the face; empty: none, since another expression is desired, or the
+   * robot has no face.
+   */
+  desire: string;
+}
+
 /** A picture or a video that visitors are shown. */
 export interface ShownMedia {
   /** Its path in the folder of tours. */
@@ -1619,6 +1635,11 @@ export interface Source {
   event: string;
   /** When the rule applied (robot's clock, s); null without a rule. */
   applied: number | null;
+  /**
+   * Of a motivation, its kind: `instinctive` (what the robot itself needs), `rational` (its task) or `emotional`
+   * (conflicts, feelings); null: it is no motivation, or says none.
+   */
+  motive: "emotional" | "instinctive" | "rational" | null;
 }
 
 /** Freshness of a channel: its measured and its expected rate. */

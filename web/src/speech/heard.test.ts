@@ -22,7 +22,7 @@ const DESIRE: Desire = {
   utility: 4,
   security: false,
   params: { words: "yes, come here ,no", language: "en" },
-  source: { kind: "motivation", name: "Ask", rule: "", event: "", applied: null },
+  source: { kind: "motivation", name: "Ask", rule: "", event: "", applied: null, motive: null },
   created: 90,
   expires: 110,
   modulation: null,

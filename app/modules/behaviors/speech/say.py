@@ -3,6 +3,7 @@
     ┌──────────────────────────────────────────────────────────────────────────────────────────────┐
     │ Say    in   exploitation     Exploitation of the voice: another that is heard; may be absent │
     │        in   sources          SoundSources: who talks meanwhile; may be absent                │
+    │        in   emotions         EmotionState: what shows changes the manner; may be absent      │
     │        out  audio            Audio, one channel, frames of 40 ms as they are played          │
     │        out  speech           Speech, with each change of word, mouth or state                │
     │        out  accomplishments  Accomplishment, when a text has been said                       │
@@ -11,7 +12,8 @@
 Each desire of class Say is a text; the queue (``speech_queue.py``) decides which is said. It is said sentence by
 sentence while attention has the output ``audio`` open. A sentence that was interrupted (by a text of greater priority,
 by another behavior at the loudspeaker, by a person, by attention) is said again from its beginning. A desire whose text
-has been said is done, or has failed where no engine could say it; removing a desire silences it.
+has been said is done, or has failed where no engine could say it; removing a desire silences it. The emotion that shows
+as a sentence is made changes its manner a little (``feeling.py``).
 """
 
 from __future__ import annotations
@@ -25,13 +27,24 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator
 
 from app.attention.desires import DesireClass
 from app.attention.workspace import IntentionWorkspace
-from app.messages import Accomplished, Audio, Exploitation, SoundSources, Speech, read_only
+from app.messages import (
+    Accomplished,
+    Audio,
+    EmotionState,
+    Exploitation,
+    ShownEmotion,
+    SoundSources,
+    Speech,
+    read_only,
+)
 from app.modules.behaviors.accomplishment_reporter import AccomplishmentReporter
 from app.modules.behaviors.speech.barge_in import BargeIn
+from app.modules.behaviors.speech.feeling import manner_of
 from app.modules.behaviors.speech.playback import UtterancePlayback
 from app.modules.behaviors.speech.speech_queue import SpeechRequest, next_request
 from app.runtime.module import Caution, Module, ModuleContext, Settings
 from app.speech.config import EngineConfig, EspeakConfig, Language
+from app.speech.manner import Manner
 from app.speech.text_only import TextOnly
 from app.speech.text_spans import sentences_of
 from app.speech.utterance import SpeechEngine, SpeechError, Utterance
@@ -122,15 +135,18 @@ class Say(Module):
         super().__init__(context)
         self.exploitation = self.input("exploitation", Exploitation, wants="never")
         self.sources = self.input("sources", SoundSources, wants="never")
+        self.emotions = self.input("emotions", EmotionState, wants="never")
         self.audio = self.output("audio", Audio)
         self.speech = self.output("speech", Speech)
         self._accomplishments = AccomplishmentReporter(self, SAY.name)
         self.on(self.exploitation, self._take_exploitation)
         self.on(self.sources, self._take_sources)
+        self.on(self.emotions, self._take_emotions)
         self.every(_BEAT_S, self._beat)
         self._engine = self.settings.engine.make()
         self._engines = {language: config.make() for language, config in self.settings.engines.items()}
         self._heard: Exploitation | None = None
+        self._feeling: ShownEmotion | None = None
         self._barge_in = BargeIn(self.settings.barge_in_s, self.settings.resume_s)
         #: Texts of which something was said, by the id of their desire.
         self._progress: dict[str, _Progress] = {}
@@ -159,6 +175,9 @@ class Say(Module):
     async def _take_sources(self, heard: SoundSources) -> None:
         voice = any(source.active and source.speech >= self.settings.voice for source in heard.sources)
         self._barge_in.hear(heard.stamp, voice)
+
+    async def _take_emotions(self, state: EmotionState) -> None:
+        self._feeling = state.shown
 
     async def _beat(self) -> None:
         now = self.clock.now()
@@ -241,7 +260,7 @@ class Say(Module):
         if self._synthesis is None or self._synthesis[0] != number:
             language = current.request.language
             engine = self._engines.get(language) or self._engines.get(language.partition("-")[0], self._engine)
-            making = self.compute(_synthesize, engine, current.sentences[number], language)
+            making = self.compute(_synthesize, engine, current.sentences[number], language, manner_of(self._feeling))
             self._synthesis = number, asyncio.create_task(making, name=f"{self.name} synthesis")
         task = self._synthesis[1]
         if not task.done():
@@ -287,9 +306,9 @@ class Say(Module):
             self.speech.publish(shown)
 
 
-def _synthesize(engine: SpeechEngine, text: str, language: str) -> tuple[Utterance, str]:
+def _synthesize(engine: SpeechEngine, text: str, language: str, manner: Manner) -> tuple[Utterance, str]:
     """The utterance; where the engine cannot, the text alone and the reason."""
     try:
-        return engine.synthesize(text, language), ""
+        return engine.synthesize(text, language, manner), ""
     except SpeechError as failure:
         return TextOnly().synthesize(text, language), str(failure)

@@ -29,7 +29,7 @@ from typing import Any, Final
 
 from pydantic import BaseModel, ConfigDict, Field
 
-from app.attention.desires import Desire, DesireClass, Source
+from app.attention.desires import Desire, DesireClass
 from app.attention.workspace import UnknownDesire
 from app.base.geometry import Pose2, wrap_angle
 from app.maps.place_checks import inscribed_radius_m
@@ -196,8 +196,7 @@ class Curiosity(Drive):
         run.frontier, run.intensity = frontier, desire.intensity
 
     def _add(self, cls: str, intensity: float, params: Mapping[str, Any] | None = None) -> str:
-        source = Source("motivation", self.name)
-        return self._workspace.add(cls, intensity=intensity, utility=1.0, params=params, source=source).id
+        return self._workspace.add(cls, intensity=intensity, utility=1.0, params=params, source=self.source).id
 
     def _look_at_goal(self, run: _Exploration) -> bool:
         """Take what has become of the desire for a frontier; whether exploring goes on.

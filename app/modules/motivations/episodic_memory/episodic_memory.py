@@ -60,7 +60,8 @@ from app.modules.motivations.episodic_memory.describing import (
 from app.modules.motivations.episodic_memory.raising import Raised
 from app.modules.motivations.episodic_memory.scene import Scene, Senses
 from app.modules.motivations.episodic_memory.settings import EpisodicMemorySettings
-from app.runtime.module import Input, Module, ModuleContext
+from app.modules.motivations.motivation import Motivation
+from app.runtime.module import Input, ModuleContext
 
 _BEAT_S: Final = 0.5
 _DAY_S: Final = 86_400.0
@@ -71,7 +72,7 @@ _MOST_WAITING: Final = 100
 _NOTHING: Final = Update(Changes((), (), (), ()))
 
 
-class EpisodicMemory(Module):
+class EpisodicMemory(Motivation):
     """Remembers episodes."""
 
     title = "Episodic memory"
@@ -153,7 +154,7 @@ class EpisodicMemory(Module):
         self._store = self.service(MemoryStore)
         self._opened = True
         self._timeline = self.service(Timeline)
-        self._raised = Raised(self.service(IntentionWorkspace), self.name, self.log, self.clock.now)
+        self._raised = Raised(self.service(IntentionWorkspace), self.source, self.log, self.clock.now)
         self._stack.callback(self._raised.withdraw)
         if not self.settings.enabled:
             await self._switch_off()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 from app.attention.desires import Desire, InvalidDesire, Source, UnknownDesireClass
@@ -27,11 +27,13 @@ class Raised:
     """Makes the desires of memory those that are wished for. What others withdraw is not desired again until
     :meth:`withdraw`."""
 
-    def __init__(self, workspace: IntentionWorkspace, name: str, log: logging.Logger, now: Callable[[], float]) -> None:
-        """``name`` is the author's; ``now`` gives the robot's clock (s)."""
+    def __init__(
+        self, workspace: IntentionWorkspace, author: Source, log: logging.Logger, now: Callable[[], float]
+    ) -> None:
+        """``now`` gives the robot's clock (s)."""
         self._workspace = workspace
         self._now = now
-        self._name = name
+        self._author = author
         self._log = log
         self._standing: dict[str, _Standing] = {}
         self._refused: set[str] = set()
@@ -80,7 +82,7 @@ class Raised:
                 intensity=wish.intensity,
                 utility=wish.utility,
                 params=deed.params,
-                source=Source("motivation", f"{self._name}, episode {episode}"),
+                source=replace(self._author, name=f"{self._author.name}, episode {episode}"),
                 ttl=TTL_S,
             )
         except (UnknownDesireClass, InvalidDesire) as failure:

@@ -33,7 +33,7 @@ from dataclasses import replace
 
 from pydantic import Field
 
-from app.attention.desires import SCALE, Source
+from app.attention.desires import SCALE
 from app.attention.timeline import Timeline
 from app.attention.workspace import IntentionWorkspace
 from app.maps.map_service import MapService
@@ -59,6 +59,7 @@ from app.messages import (
     TourButton,
     TourProgress,
 )
+from app.modules.motivations.motivation import Motivation
 from app.modules.motivations.tour_guide.controls import buttons
 from app.modules.motivations.tour_guide.desires import GuideDesires, weights
 from app.modules.motivations.tour_guide.guided_run import GuidedRun, led_by
@@ -80,7 +81,7 @@ from app.modules.motivations.tour_guide.resumption import Resumption
 from app.modules.motivations.tour_guide.run_keeper import RunKeeper
 from app.modules.motivations.tour_guide.senses import Senses
 from app.modules.motivations.tour_guide.wishes import DOCK, Scene, stop_of
-from app.runtime.module import Module, ModuleContext, Settings
+from app.runtime.module import ModuleContext, Settings
 from app.tours.model import Tour
 from app.tours.run_library import RunLibrary
 from app.tours.run_report import RunReport
@@ -108,7 +109,7 @@ class TourGuideSettings(Settings):
     docks: bool = Field(True, description="whether it charges after a tour, where the program has a dock")
 
 
-class TourGuide(Module):
+class TourGuide(Motivation):
     """Leads people on a tour."""
 
     title = "Tour guide"
@@ -158,7 +159,7 @@ class TourGuide(Module):
         self._timeline = self.service(Timeline)
         self._keeper = RunKeeper(self.service(RunLibrary), self.compute_background, self.log)
         weight = weights(self.settings.intensity, self.settings.intensities, self.settings.utilities)
-        self._desires = GuideDesires(self._workspace, Source("motivation", self.name), weight, self.log)
+        self._desires = GuideDesires(self._workspace, self.source, weight, self.log)
         self._stack.callback(self._desires.withdraw)
         kept = await self.compute_background(self._keeper.read, self.service(TourStore))
         self._resumption = None if kept is None else Resumption(*kept)

@@ -46,29 +46,41 @@ def search_grid(array: MicrophoneArray, points: int, lowest_deg: float) -> NDArr
     return np.asarray(grid)
 
 
+def paths(
+    offsets: NDArray[np.float64], sources: NDArray[np.float64], body_m: float = 0.0
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lengths of the ways from ``sources`` (G, 3) to the microphones (M, 3), both m about the middle of the body; and
+    of their parts along its surface. Both (G, M) m.
+
+    Behind a body (a sphere of radius ``body_m``) sound takes the shortest path around it: straight to its edge, then
+    along its surface (Woodworth 1938).
+    """
+    ways = np.asarray(np.linalg.norm(sources[:, None] - offsets, axis=2))
+    if not body_m:
+        return ways, np.zeros_like(ways)
+    away = np.maximum(np.linalg.norm(offsets, axis=1), 1e-6)
+    far = np.maximum(np.linalg.norm(sources, axis=1), 1e-6)[:, None]
+    on_body = np.minimum(body_m, away)
+    angles = np.arccos(np.clip(sources / far @ (offsets / away[:, None]).T, -1, 1))
+    arc = angles - np.arccos(np.minimum(on_body / far, 1)) - np.arccos(on_body / away)
+    along = on_body * np.maximum(arc, 0)
+    straight = np.sqrt(np.maximum(far**2 - on_body**2, 0)) + np.sqrt(away**2 - on_body**2)
+    return np.asarray(np.where(arc > 0, straight + along, ways)), np.asarray(along)
+
+
 def arrivals(
     offsets: NDArray[np.float64], directions: NDArray[np.float64], range_m: float, body_m: float = 0.0
 ) -> NDArray[np.float64]:
     """Delay (s), relative to the middle, of sound from ``directions`` (G, 3), ``range_m`` away, at each microphone.
 
-    ``offsets`` (M, 3) m about the middle; the result is (G, M). An infinite range gives plane waves. Behind a body (a
-    sphere of radius ``body_m``) sound takes the shortest path around it: straight to its edge, then along its surface
-    (Woodworth 1938).
+    ``offsets`` (M, 3) m about the middle; the result is (G, M). An infinite range gives plane waves. Behind a body
+    sound takes the way of :func:`paths`.
     """
-    radius = body_m
     if np.isinf(range_m):
-        if not radius:
+        if not body_m:
             return np.asarray(-directions @ offsets.T / SPEED_OF_SOUND)
         range_m = 1e3
-    ways = np.linalg.norm(range_m * directions[:, None] - offsets, axis=2)
-    if radius:
-        away = np.maximum(np.linalg.norm(offsets, axis=1), 1e-6)
-        on_body = np.minimum(radius, away)
-        angles = np.arccos(np.clip(directions @ (offsets / away[:, None]).T, -1, 1))
-        arc = angles - np.arccos(on_body / range_m) - np.arccos(on_body / away)
-        round_it = np.sqrt(range_m**2 - on_body**2) + np.sqrt(away**2 - on_body**2) + on_body * arc
-        ways = np.where(arc > 0, round_it, ways)
-    return np.asarray((ways - range_m) / SPEED_OF_SOUND)
+    return np.asarray((paths(offsets, range_m * directions, body_m)[0] - range_m) / SPEED_OF_SOUND)
 
 
 def tangents(directions: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -9,7 +9,7 @@ import pytest
 
 from app.attention.desires import Source
 from app.base import paths
-from app.experiments.world_run import WorldRun, run_in_world
+from app.experiments.world_run import WorldRun, run_in_world, with_settings
 from app.messages import JointState
 from app.modules.behaviors.face.expression import CALM, JOINTS, VARIANTS
 from app.program.config import load_configuration
@@ -18,7 +18,9 @@ from app.robots.factory import load_body
 from app.speech.config import EspeakConfig
 from app.speech.text_only import TextOnly
 
-MODULES = ("WheelOdometry", "Loudspeaker", "Say", "Face", "FaceControl")
+MODULES = ("WheelOdometry", "Loudspeaker", "Say", "Face", "FaceControl", "Emotions")
+#: A text without sound saddens it: not a short one, but a long one.
+FEELINGS = {"shows": True, "effects": {"Say": {"neglected": {"sadness": 0.1}}}}
 CORNER, LIDS, LOWER = (JOINTS.index(f"{name}_joint") for name in ("left_mouth_corner", "eyelids", "lower_lip"))
 
 
@@ -28,6 +30,7 @@ def test_the_face_blinks_expresses_and_speaks(monkeypatch: pytest.MonkeyPatch) -
     configuration = load_configuration(paths.config_dir() / "lab.yaml")
     modules = {name: spec for name, spec in configuration.program.modules.items() if name in MODULES}
     configuration = replace(configuration, program=configuration.program.model_copy(update={"modules": modules}))
+    configuration = with_settings(configuration, {"Emotions": FEELINGS})
     body = load_body(configuration.path(configuration.program.robot))
     assert isinstance(body, RobotConfig)
 
@@ -56,6 +59,15 @@ def test_the_face_blinks_expresses_and_speaks(monkeypatch: pytest.MonkeyPatch) -
         desire("Say", text="Aha, a banana.")
         await watch("speaking", 2.0)
         await watch("silent", 4.0)
+        desire("Say", text="It is a long sentence, and " * 5 + "no more.")
+        await run.system.clock.sleep(10.0)
+        await watch("saddened", 2.0)
+        (wish,) = [each for each in run.system.workspace.desires() if each.cls == "Express"]
+        assert (wish.source.name, wish.params["expression"]) == ("Emotions", "sad")
+        assert run.system.exploited() == (wish.id,)
+        asked = desire("Express", expression="calm")
+        await watch("asked to be calm", 2.0)
+        assert run.system.exploited() == (asked,)
         moved.clear()
         while not moved or dict(zip(moved[-1].names, moved[-1].positions, strict=True))[JOINTS[LIDS]] < 0.9:
             await run.system.clock.sleep(1 / 30)
@@ -64,8 +76,8 @@ def test_the_face_blinks_expresses_and_speaks(monkeypatch: pytest.MonkeyPatch) -
         return shown, [event.text for event in run.system.timeline.query(kinds=["exploitation"])]
 
     shown, events = run_in_world(configuration, body.model_copy(update={"scenario": None}), script)
-    assert events[:2] == ["Face moves the face", "Face moves the face no more"]
-    assert not [text for text in events[2:] if "face" in text], "speech and calm exploit no expression"
+    moved = ["Face moves the face", "Face moves the face no more", "Face moves the face"]
+    assert [text for text in events if "face" in text] == moved, "speech and calm exploit no expression"
     assert shown["calm"][:, LIDS].max() > 1.0, "a blink, seen by joints at 30 Hz"
     calm = np.median(shown["calm"], axis=0)
     np.testing.assert_allclose(calm, CALM, atol=1e-6)
@@ -74,6 +86,8 @@ def test_the_face_blinks_expresses_and_speaks(monkeypatch: pytest.MonkeyPatch) -
     assert shown["speaking"][:, LOWER].max() > 0.25, "an a is said"
     assert np.ptp(shown["speaking"][:, LOWER]) > 0.2
     assert shown["silent"][-1][LOWER] == pytest.approx(CALM[LOWER])
+    assert shown["saddened"][:, CORNER].max() < CALM[CORNER] - 0.15
+    assert shown["asked to be calm"][-1][CORNER] == pytest.approx(CALM[CORNER])
     np.testing.assert_allclose(shown["stopped"][-1], CALM, atol=1e-6, err_msg="an emergency stop in mid-blink")
     for name, poses in shown.items():
         for joint, positions in zip(JOINTS, poses.T, strict=True):

@@ -20,6 +20,7 @@ from app.program.config import load_configuration
 from app.robots.config import RobotConfig
 from app.robots.factory import load_body
 from app.speech.config import EspeakConfig
+from app.speech.manner import USUAL, Manner
 from app.speech.utterance import MouthMoment, Utterance
 from app.speech.visemes import Viseme
 
@@ -33,7 +34,7 @@ MODULES = ("Microphones", "WheelOdometry", "AudioStream", "VoiceLocalizer", "Lou
 class Babble:
     """An engine that says any text as the same two seconds of noise with the loudness of syllables."""
 
-    def synthesize(self, text: str, language: str) -> Utterance:
+    def synthesize(self, text: str, language: str, manner: Manner = USUAL) -> Utterance:
         return Utterance(text, babble(), RATE, duration_s=SPOKEN_S, words=(), mouth=(MouthMoment(0.0, Viseme.OPEN),))
 
 

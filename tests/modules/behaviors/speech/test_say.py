@@ -10,12 +10,25 @@ import numpy as np
 import pytest
 
 from app.attention.desires import DesireClasses, InvalidDesire, Source
+from app.attention.emotions import EMOTIONS
 from app.attention.workspace import IntentionWorkspace
-from app.messages import Accomplishment, Audio, Exploitation, SoundSource, SoundSources, Speech, Twist
+from app.messages import (
+    Accomplishment,
+    Audio,
+    EmotionState,
+    Exploitation,
+    ShownEmotion,
+    SoundSource,
+    SoundSources,
+    Speech,
+    Twist,
+)
+from app.modules.behaviors.speech.feeling import MANNERS, MOST_CHANGE, manner_of
 from app.modules.behaviors.speech.say import SAY
 from app.runtime.clock import VirtualClock, run_virtual
 from app.speech.config import EspeakConfig
 from app.speech.estimate import estimated_mouth, estimated_words
+from app.speech.manner import USUAL, Manner
 from app.speech.utterance import SpeechError, Utterance
 from tests.modules.fakes import Bench, drain
 
@@ -26,11 +39,15 @@ T = TypeVar("T")
 
 
 class Tone:
-    """An engine whose samples are all 1000; a letter takes 50 ms. It knows no French."""
+    """An engine whose samples are all 1000; a letter takes 50 ms. It knows no French, and notes how it is to speak."""
 
-    def synthesize(self, text: str, language: str) -> Utterance:
+    def __init__(self) -> None:
+        self.manners: list[tuple[str, Manner]] = []
+
+    def synthesize(self, text: str, language: str, manner: Manner = USUAL) -> Utterance:
         if language == "fr":
             raise SpeechError("no French here")
+        self.manners.append((text, manner))
         duration_s = LETTER_S * len(text)
         words = estimated_words(text, duration_s)
         samples = np.full(round(RATE * duration_s), 1000, np.int16)
@@ -65,8 +82,10 @@ class Stage:
 
 
 @pytest.fixture(autouse=True)
-def _tone(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(EspeakConfig, "make", lambda _: Tone())
+def tone(monkeypatch: pytest.MonkeyPatch) -> Tone:
+    engine = Tone()
+    monkeypatch.setattr(EspeakConfig, "make", lambda _: engine)
+    return engine
 
 
 def on_stage(script: Callable[[Stage], Awaitable[T]], *, followed: bool = True, **settings: Any) -> T:
@@ -74,7 +93,7 @@ def on_stage(script: Callable[[Stage], Awaitable[T]], *, followed: bool = True, 
         workspace = IntentionWorkspace(DesireClasses([SAY]), VirtualClock().now)
         bench = Bench(
             MODULE,
-            inputs={"exploitation": Exploitation, "sources": SoundSources},
+            inputs={"exploitation": Exploitation, "sources": SoundSources, "emotions": EmotionState},
             outputs={"audio": Audio, "speech": Speech, "accomplishments": Accomplishment},
             settings=settings,
             services={IntentionWorkspace: workspace},
@@ -244,6 +263,39 @@ def test_a_language_has_its_own_engine() -> None:
         assert {int(value) for frame in drain(stage.audio) for value in np.unique(frame.samples)} == {500}
 
     on_stage(script, engine={"engine": "text"}, engines={"fr": {"engine": "espeak"}})
+
+
+def test_a_sentence_is_spoken_in_the_manner_of_the_emotion_that_shows(tone: Tone) -> None:
+    async def script(stage: Stage) -> None:
+        def feel(shown: ShownEmotion | None) -> None:
+            stage.bench.feed("emotions", EmotionState(0.0, (), modulates=False, shows=True, shown=shown))
+
+        for text, shown in (
+            ("One.", None),
+            ("Two.", ShownEmotion("sadness", 0.5)),
+            ("Three.", ShownEmotion("joy", 1.0)),
+            ("Four.", None),
+        ):
+            feel(shown)
+            await stage.wait(0.1)
+            stage.say(text)
+            await stage.wait(1.0)
+
+    on_stage(script)
+    one, two, three, four = (manner for _, manner in tone.manners)
+    assert one == four == USUAL
+    assert (two.rate, two.pitch) == (pytest.approx(0.95), pytest.approx(0.975))
+    assert three == MANNERS["joy"]
+
+
+def test_no_emotion_changes_the_manner_of_speaking_by_much() -> None:
+    for emotion in EMOTIONS:
+        steps = [manner_of(ShownEmotion(emotion, strength / 4)) for strength in range(7)]
+        assert steps[0] == USUAL
+        assert steps[1] != USUAL
+        assert steps[4:] == [MANNERS[emotion]] * 3, "a strength over 1 is 1"
+        for value in (getattr(manner, name) for manner in steps for name in ("rate", "pitch")):
+            assert abs(value - 1.0) <= MOST_CHANGE + 1e-9
 
 
 @pytest.mark.parametrize(

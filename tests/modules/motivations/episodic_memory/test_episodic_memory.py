@@ -161,7 +161,7 @@ async def test_what_happened_before_is_recognized_anticipated_and_desired_again(
         assert any(each.channel == "desire" for each in state.anticipated[0].event.items)
         (desire,) = robot.own
         assert (desire.cls, desire.params, desire.intensity, desire.security) == ("ListenForWords", WORDS, 2.0, False)
-        assert desire.source == Source("motivation", "Tested, episode 1")
+        assert desire.source == Source("motivation", "Tested, episode 1", motive="rational")
         (raised,) = state.raised
         assert (raised.id, raised.episode) == (desire.id, 1)
         assert raised.why == "episode 1 was accomplished with it in 100% of the last times"

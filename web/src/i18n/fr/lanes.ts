@@ -5,6 +5,8 @@ export const lanes = {
   Emotions: "Émotions",
   neglected: "négligé",
   "No desire feeds it now.": "Aucun désir ne la nourrit en ce moment.",
+  "Face and voice show it.": "Le visage et la voix la montrent.",
+  "The voice shows it.": "La voix la montre.",
   utility: "utilité",
   "let through": "passant",
   "Desired utility": "Utilité désirée",
