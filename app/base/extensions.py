@@ -26,6 +26,7 @@ GROUPS = {
     "hbba.messages": "messages",
     "hbba.panels": "panels",
 }
+_CONFIGURATIONS = "hbba.configurations"
 _PACKAGE_FILE = "package:"
 #: Where files of packages are in a folder that was restored from a recording.
 ATTACHED = "_packages"
@@ -189,14 +190,32 @@ def announced_configurations() -> dict[str, Path]:
 
     Raises ConfigError for one whose package is not installed or has no such file.
     """
-    found: dict[str, Path] = {}
-    for name, extension in extensions("hbba.configurations").items():
-        package, *folders = extension.value.split(".")
-        file = package_folder(package).joinpath(*folders, f"{name}.yaml")
-        if not file.is_file():
-            raise ConfigError(f"configuration {name!r}, from {extension.distribution}: there is no file {file}")
-        found[name] = file
-    return found
+    return {name: _announced_by(extension) for name, extension in extensions(_CONFIGURATIONS).items()}
+
+
+def announced_configuration(name: str) -> Path | None:
+    """The program configuration ``name`` of a package; None where none announces it. Raises ConfigError for that one
+    alone: another package whose folder is gone leaves it as it is."""
+    extension = extensions(_CONFIGURATIONS).get(name)
+    return None if extension is None else _announced_by(extension)
+
+
+def announced_names() -> tuple[str, ...]:
+    """The names of program configurations that packages announce, whether their files are there or not."""
+    return tuple(extensions(_CONFIGURATIONS))
+
+
+def _announced_by(extension: Extension) -> Path:
+    package, *folders = extension.value.split(".")
+    whose = f"configuration {extension.name!r}, from {extension.distribution}"
+    again = f"install {extension.distribution} again, or uninstall it"
+    try:
+        file = package_folder(package).joinpath(*folders, f"{extension.name}.yaml")
+    except ConfigError as failure:
+        raise ConfigError(f"{whose}: {failure.message}; {again}") from failure
+    if not file.is_file():
+        raise ConfigError(f"{whose}: there is no file {file}; {again}")
+    return file
 
 
 def package_folder(package: str) -> Path:

@@ -20,11 +20,20 @@ KINDS = {
     "behavior": "a module that drives the base while it is desired",
     "body": "a robot: what its sensors give, and what becomes of commands",
 }
+#: What the last command shows on the page.
+_SEEN = {
+    "module": "On the page: the lane {title} is open. Drive (W, A, S, D) until you are stopped before something: the "
+    "tab Found lists it.",
+    "motivation": "On the page: drive (W, A, S, D) until you are stopped before something: the lane Find QR codes "
+    "opens, and closes five seconds after you have left.",
+    "behavior": "On the page: Add a desire, {title}: the robot drives up to what is ahead.",
+    "body": "On the page: the body in the 3D view, and what its laser sees.",
+}
 _SUFFIX = ".template"
 _PLACEHOLDER = re.compile(r"\{\{(\w+)\}\}")
 #: Names that the templates import or use otherwise, which a class of theirs must not have.
 _TAKEN = frozenset(
-    {"Any", "BaseModel", "ConfigDict", "DesireClass", "Field", "IntentionWorkspace", "Mapping", "Module",
+    {"Any", "BaseModel", "ClassVar", "ConfigDict", "DesireClass", "Field", "IntentionWorkspace", "Mapping", "Module",
      "ModuleContext", "Settings", "Source", "UnknownDesire"}
 )  # fmt: skip
 
@@ -55,6 +64,7 @@ def run(args: argparse.Namespace) -> int:
     print(f"{package}: {args.kind} {args.name}. Next:\n")
     print(f"  pip install -e {package}\n  hbba check {names['module']}\n  pytest {package}")
     print(f"  hbba run --config {names['module']}")
+    print(f"\n{_SEEN[args.kind].format(**names)}")
     return 0
 
 

@@ -10,7 +10,7 @@ from typing import Literal
 
 from app.base import paths
 from app.base.errors import ConfigError
-from app.base.extensions import announced_configurations, package_file, split_package_file
+from app.base.extensions import announced_configuration, announced_names, package_file, split_package_file
 
 #: Kinds of configuration; "configuration" is any of them, a program before the others.
 Kind = Literal["program", "robot", "scenario", "array", "configuration"]
@@ -49,7 +49,7 @@ def config_file(named: str | Path, kind: Kind, option: str = "") -> Path:
         if not file.is_file():
             raise ConfigError(f"there is no {kind} {named}", option)
         return file
-    if kind in _OF_PACKAGES and (announced := announced_configurations().get(str(named))) is not None:
+    if kind in _OF_PACKAGES and (announced := announced_configuration(str(named))) is not None:
         return announced
     known = config_names(kind)
     close = difflib.get_close_matches(inside.stem, known, n=1)
@@ -72,7 +72,7 @@ def config_names(kind: Kind) -> list[str]:
         own = [path.relative_to(root).with_suffix("").as_posix() for path in files]
     else:
         own = [path.stem for path in files if kind != "program" or _is_program(path)]
-    return [*own, *(announced_configurations() if kind in _OF_PACKAGES else ())]
+    return [*own, *(announced_names() if kind in _OF_PACKAGES else ())]
 
 
 def _is_program(path: Path) -> bool:

@@ -71,6 +71,27 @@ def attend(configuration: Configuration, graph: Graph, table: StrategyTable) -> 
     return tuple(cautions)
 
 
+def unserved(
+    configuration: Configuration, graph: Graph, table: StrategyTable, classes: DesireClasses
+) -> tuple[Caution, ...]:
+    """A warning for each of ``classes`` that no strategy of ``table`` serves: a desire of it does nothing."""
+    cautions = []
+    for cls in sorted(set(classes) - {each.cls for each in table.strategies}):
+        modules = [
+            name
+            for name, slot in graph.modules.items()
+            if cls in [getattr(declared, "name", "") for declared in slot.module.desire_classes]
+        ]
+        declared = f"{' and '.join(modules)} declare{'s' * (len(modules) == 1)}"
+        text = (
+            f"no strategy serves {cls}, which {declared}: a desire of it does nothing; add one to a file under "
+            "`strategies` of the program, and the module whose filters it opens"
+        )
+        where = configuration.where("modules", modules[0]) if modules else ""
+        cautions.append(Caution(f"{classes[cls].title} is served by nothing", text, where))
+    return tuple(cautions)
+
+
 def power_budget(configuration: Configuration, table: StrategyTable) -> PowerConfig | None:
     """How power is budgeted; None where it is not."""
     power = configuration.program.attention.power

@@ -8,6 +8,7 @@ from typing import TypeVar, get_args
 from app.messages import ModuleInput, ModuleOutput, ModuleReport, ModuleRole, SubscriptionCounters
 from app.runtime.graph import ModuleSlot
 from app.runtime.load import LoadMeter
+from app.runtime.module import Module
 from app.runtime.subscription import SubscriptionStatistics
 from app.runtime.supervisor import Supervisor
 
@@ -49,7 +50,7 @@ class ModuleMeter:
                 for port in slot.context.inputs.values()
                 if port.connected and port.channel is not None
             ),
-            role=role_of(slot.module_class.__module__),
+            role=role_of(slot.module_class),
             outputs=tuple(
                 ModuleOutput(
                     port.name,
@@ -62,10 +63,13 @@ class ModuleMeter:
         )
 
 
-def role_of(python_module: str) -> ModuleRole:
-    """The layer of a module whose class is in ``python_module``: the first of its packages that is named as one."""
+def role_of(module_class: type[Module]) -> ModuleRole:
+    """The layer of a module: as its class says, or the first of the packages it is in that is named as one."""
+    if module_class.role is not None:
+        return module_class.role
     roles: tuple[ModuleRole, ...] = get_args(ModuleRole)
-    return next((role for package in python_module.split(".") for role in roles if package == role), "other")
+    packages = module_class.__module__.split(".")
+    return next((role for package in packages for role in roles if package == role), "other")
 
 
 def subscription_counters(statistics: SubscriptionStatistics) -> SubscriptionCounters:

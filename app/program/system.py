@@ -33,7 +33,7 @@ from app.memory.store import MemoryStore
 from app.memory.store import default_folder as default_memory_folder
 from app.messages import Accomplishment, BatteryState, Confidence, Exploitation, LoadReport, PerceptEvent, PerceptKind
 from app.program.attachments import snapshot, with_table
-from app.program.attention_setup import attend, load_table, make_translator, power_budget
+from app.program.attention_setup import attend, load_table, make_translator, power_budget, unserved
 from app.program.battery_watch import BatteryWatch
 from app.program.body_restart import BodyRestarter
 from app.program.config import Configuration, load_configuration
@@ -157,6 +157,8 @@ class System:
         self.table = load_table(configuration, self.graph, self.classes, nodes=self.nodes, partial=partial)
         #: Warnings about the configuration.
         self.cautions = attend(configuration, self.graph, self.table)
+        if not partial:  # else modules and their strategies are left out on purpose
+            self.cautions += unserved(configuration, self.graph, self.table, self.classes)
         for name, pin in (pins or {}).items():
             self.graph.filters.pin(name, pin)
         self.supervisor = Supervisor(self.graph.modules, self.clock, self.pace)

@@ -16,6 +16,7 @@ from typing import Any, ClassVar, TypeVar
 from pydantic import BaseModel
 
 from app.messages import Message
+from app.messages.records import ModuleRole
 from app.runtime.channel_table import ChannelSpec
 from app.runtime.clock import Clock
 from app.runtime.errors import InboxOverflow, ModuleFailed
@@ -78,6 +79,8 @@ class Module:
 
     #: Name of the module on the page and in messages.
     title: ClassVar[str] = ""
+    #: Column of the page's graph in which it stands; None: that of the package it is in (``perception``), or others.
+    role: ClassVar[ModuleRole | None] = None
     #: Model that validates the settings.
     Settings: ClassVar[type[Settings]] = Settings
     #: Desire classes (:class:`app.attention.desires.DesireClass`) that this module serves or needs; a program has the

@@ -153,7 +153,7 @@ def _of_steps(tour: Tour, around: Surroundings) -> Iterator[TourProblem]:
             yield TourProblem((*path, "look"), "there is no poster here to look at", "error")
         for language, text in (step.say or {}).items():
             if not sentences_of(text):
-                yield TourProblem((*path, "say", language), "has no letter or digit to say", "error")
+                yield TourProblem((*path, "say", language), "has no letter or digit to say yet", "error")
         if around.classes is not None:
             yield from _of_desires(step, path, tour, around.classes)
 
@@ -164,6 +164,8 @@ def _of_desires(step: Step, path: KeyPath, tour: Tour, classes: Mapping[str, Des
         if cls not in classes:
             yield TourProblem(here, f"this program has no desire class {cls}: it is passed over", "warning")
             continue
+        if key == "say" and not all(sentences_of(text) for text in (step.say or {}).values()):
+            continue  # it is said of the text already
         try:
             classes[cls].validated(params)
         except InvalidDesire as refusal:

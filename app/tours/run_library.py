@@ -33,30 +33,44 @@ class RunLibrary(NamedLibrary):
     def __init__(self, folder: Path, *, resumes: bool = True) -> None:
         super().__init__(folder)
         self._resumes = resumes
+        #: Reports that are about to be written, by their runs.
+        self._unwritten: dict[str, RunReport] = {}
+
+    def expect(self, report: RunReport) -> None:
+        """List ``report`` from now on, though :meth:`add` writes it a moment later. Does not touch the disk."""
+        self._unwritten[report.run] = report
 
     def add(self, report: RunReport) -> None:
         """Keep ``report``, in place of one on the same run; the oldest beyond MOST_REPORTS are deleted."""
         self._write(self.path(report.run), msgspec.json.format(msgspec.json.encode(report), indent=1))
+        self._unwritten.pop(report.run, None)
         for name in self._names()[MOST_REPORTS:]:
             self.path(name).unlink(missing_ok=True)
 
     def reports(self) -> tuple[RunReport, ...]:
         """Every report that can be read, the newest first."""
-        return tuple(self._readable())
+        # Taken before the disk is read: what is written meanwhile is in one of them, or in both.
+        unwritten = dict(self._unwritten)
+        found = {report.run: report for report in self._readable()} | unwritten
+        return tuple(found[run] for run in sorted(found, reverse=True))
 
     def report(self, run: str) -> RunReport:
         """The report on ``run``. Raises UnknownRun, ValueError for what cannot be an id."""
-        found = self._read(self.path(run))
+        path = self.path(run)
+        found = self._unwritten.get(run) or self._read(path)
         if found is None:
             raise UnknownRun(f"there is no report on a run {run!r}")
         return found
 
     def delete(self, run: str) -> None:
         """Delete the report on ``run``. Raises UnknownRun, ValueError for what cannot be an id."""
+        path = self.path(run)
+        unwritten = self._unwritten.pop(run, None)
         try:
-            self.path(run).unlink()
+            path.unlink()
         except FileNotFoundError:
-            raise UnknownRun(f"there is no report on a run {run!r}") from None
+            if unwritten is None:
+                raise UnknownRun(f"there is no report on a run {run!r}") from None
 
     def keep(self, run: bytes | None) -> None:
         """Keep the run that is under way; None: none is."""

@@ -33,7 +33,7 @@ def surroundings(
     try:
         places = frozenset(place.id for place in maps.places(tour.map))
     except UnknownMap as refusal:
-        no_map = str(refusal)
+        no_map = f"{refusal}; map the place and save that as {tour.map}, or give the tour another map"
     except (ConfigError, ValueError, OSError) as damage:
         no_map = f"the map cannot be used: {damage}"
     missing = frozenset(file for _, file in media_of(tour) if not any((folder / file).is_file() for folder in folders))

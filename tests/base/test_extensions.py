@@ -11,13 +11,16 @@ from app.base import paths
 from app.base.errors import ConfigError
 from app.base.extensions import (
     GROUPS,
+    announced_configuration,
     announced_configurations,
+    announced_names,
     announced_packages,
     extensions,
     load_named,
     may_be_imported_for_a_log,
     package_file,
 )
+from app.commands.packaged import config_names
 from tests.distributions import install
 
 
@@ -124,3 +127,16 @@ def test_a_configuration_that_is_not_there_is_said(site: Path) -> None:
     install(site, "hbba-kites", {"kites_n/__init__.py": ""}, configurations={"kite": "kites_n"})
     with pytest.raises(ConfigError, match="configuration 'kite', from hbba-kites: there is no file"):
         announced_configurations()
+
+
+def test_a_package_whose_folder_is_gone_leaves_the_others_alone(site: Path) -> None:
+    install(site, "hbba-gone", {"readme": ""}, configurations={"gone": "gone_away"})
+    install(
+        site, "hbba-kites", {"kites_w/__init__.py": "", "kites_w/kite.yaml": "{}"}, configurations={"kite": "kites_w"}
+    )
+    assert announced_configuration("kite") == site / "kites_w" / "kite.yaml"
+    assert announced_configuration("dragon") is None
+    assert {"gone", "kite"} <= set(announced_names())
+    assert "kite" in config_names("program")
+    with pytest.raises(ConfigError, match="no package 'gone_away' installed; install hbba-gone again, or uninstall it"):
+        announced_configuration("gone")

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from playwright.sync_api import Browser, Page, expect
+from playwright.sync_api import Browser, Page
 
 from app.base.geometry import Pose2
 from tests.browser.held_keys import hold_until
@@ -54,21 +54,19 @@ def configure(page: Page) -> None:
     page.get_by_test_id("tour-drive").click()
     for number in range(1, len(POSTERS) + 1):
         hold_until(page, "KeyA", page.locator(f"[data-testid=tour-driving][data-met='{number}']"))
-    page.get_by_test_id("tour-drive-map").fill("room")
     page.get_by_test_id("tour-drive-finish").click()
     page.get_by_test_id("tour-stop").nth(len(POSTERS) - 1).wait_for()
 
 
 def begin(page: Page, tour: str) -> None:
     """Load the map that the tour is on, at whose start the robot is again, and lead the tour."""
-    page.get_by_test_id("tab-map").click()
-    row = page.locator("[data-testid=kept-map][data-name=room]")
-    row.get_by_test_id("map-load").click()
-    row.get_by_test_id("map-at-start").check()
-    row.get_by_test_id("map-load-confirm").click()
-    expect(page.get_by_test_id("map-where")).to_have_attribute("data-map", "room")
     page.get_by_test_id("tab-tour").click()
     page.get_by_test_id("tour-run-tour").select_option(tour)
+    another = page.get_by_test_id("tour-run-map")
+    another.get_by_test_id("tour-run-load").click()
+    another.get_by_test_id("map-at-start").check()
+    another.get_by_test_id("map-load-confirm").click()
+    another.wait_for(state="detached")
     page.get_by_test_id("tour-run-start").click()
 
 
@@ -92,7 +90,9 @@ def test_a_tour_configured_by_driving_is_led_after_a_restart(
     with running(tmp_path / "first", visitors=False) as robot, opened(browser, robot) as page:
         configure(page)
         (tour,) = (each for each in robot.get("/tours")["tours"] if not each["shipped"])
-        assert (tour["stops"], tour["errors"], tour["map"]) == (len(POSTERS), 0, "room")
+        assert (tour["stops"], tour["errors"], tour["map"]) == (len(POSTERS), 0, "the-room"), (
+            "the map is called as the tour"
+        )
         for place, (text, hangs) in zip(robot.get("/places")["places"], POSTERS.items(), strict=True):
             assert place["poster"] == text
             x, y, _ = robot.true_place(text)

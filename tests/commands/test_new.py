@@ -14,6 +14,7 @@ import pytest
 from app import cli
 from app.commands.new import KINDS, TEMPLATES
 from app.program.config import load_configuration
+from app.program.module_meter import role_of
 from app.program.system import System
 from tests.distributions import announce
 from tests.patience import PATIENCE_S
@@ -63,6 +64,29 @@ def test_its_configuration_is_in_order(package: Path, capsys: pytest.CaptureFixt
     assert said.out.count(", no mistake found") == len(files) + 1
     system = System(load_configuration(package / f"hbba_{name}" / f"{name}.yaml"))
     assert system.cautions == ()
+    columns = {"DoorDetector": "perception", "NearWatch": "motivations", "WallApproach": "behaviors"}
+    roles = {module: role_of(slot.module_class) for module, slot in system.graph.modules.items()}
+    assert roles["Hokuyo"] == "sensors"
+    assert all(roles[module] == column for module, column in columns.items() if module in roles)
+    assert "other" not in roles.values()
+
+
+def test_a_class_that_no_strategy_serves_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert cli.main(["new", "motivation", "NearWatch", "--in", str(tmp_path)]) == 0
+    package = tmp_path / "hbba-near-watch"
+    monkeypatch.syspath_prepend(str(package))
+    file = package / "hbba_near_watch" / "near_watch.yaml"
+    strategies = file.with_name("strategies.yaml")
+    lines = strategies.read_text().splitlines(keepends=True)
+    strategies.write_text("".join(line for line in lines if "FindQRCodes" not in line))
+    capsys.readouterr()
+    assert cli.main(["check", str(file)]) == 0
+    said = capsys.readouterr()
+    assert "no mistake found, 1 warning" in said.out
+    assert "no strategy serves FindQRCodes, which QRCodeDetector and NearWatch declare: a desire of it" in said.err
+    del sys.modules["hbba_near_watch"]
 
 
 def test_what_it_declares_can_be_desired(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -70,7 +94,11 @@ def test_what_it_declares_can_be_desired(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.syspath_prepend(str(tmp_path / "hbba-gate-detector"))
     system = System(load_configuration(tmp_path / "hbba-gate-detector" / "hbba_gate_detector" / "gate_detector.yaml"))
     assert system.classes["GateDetector"].validated({"within_m": 3}) == {"within_m": 3.0}
-    assert [strategy.name for strategy in system.table.strategies] == ["gate-detector-1", "gate-detector-4"]
+    assert [strategy.name for strategy in system.table.strategies] == [
+        "drive-by-hand",
+        "gate-detector-1",
+        "gate-detector-4",
+    ]
     del sys.modules["hbba_gate_detector"]
 
 

@@ -197,11 +197,12 @@ def test_a_reader_who_forgets_the_line_of_strategies_is_warned_and_the_robot_sta
     program = merged(checkout, without_strategies(blocks[PROGRAM]))
     assert cli.main(["check", str(program)]) == 0
     said = capsys.readouterr()
-    assert said.out.endswith("no mistake found, 1 warning\n")
+    assert said.out.endswith("no mistake found, 2 warnings\n")
     line = program.read_text("utf-8").splitlines().index("      twist: approach_twist") + 1
     assert said.err.startswith(f"{program}:{line}: no strategy opens Approach.twist")
     assert "MobileBaseControl.approach" in said.err
     assert "`strategies`" in said.err
+    assert "no strategy serves Approach, which Approach declares" in said.err
     configuration, body = driving(program)
 
     async def script(run: WorldRun) -> tuple[float, bool]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from app.program.module_meter import role_of
+from app.runtime.module import Module
 
 
 @pytest.mark.parametrize(
@@ -21,4 +22,8 @@ from app.program.module_meter import role_of
     ],
 )
 def test_the_role_is_that_of_the_package(python_module: str, role: str) -> None:
-    assert role_of(python_module) == role
+    assert role_of(type("Tested", (Module,), {"__module__": python_module})) == role
+
+
+def test_a_module_may_name_its_role() -> None:
+    assert role_of(type("Tested", (Module,), {"__module__": "theirs.sensors", "role": "perception"})) == "perception"

@@ -101,6 +101,10 @@ def test_each_problem_says_what_it_is_about(changes: dict[str, Any], field: str,
     assert any(words in problem.message for problem in problems if problem.field == field)
 
 
+def test_a_text_that_says_nothing_is_one_problem() -> None:
+    assert found(**stop(do=[{"say": {"en": "…"}}])) == [("stops.0.do.0.say.en", "error")]
+
+
 def test_a_map_that_is_not_there_is_an_error_and_its_places_are_not_checked() -> None:
     assert found(Surroundings(no_map="there is no map 'lab'"), home="x") == [("map", "error")]
 

@@ -34,6 +34,19 @@ def test_reports_are_kept_the_newest_first(tmp_path: Path) -> None:
         library.delete(REPORT.run)
 
 
+def test_a_report_is_listed_before_it_is_written(tmp_path: Path) -> None:
+    library = RunLibrary(tmp_path)
+    library.add(replace(REPORT, run="20261122-080000-lab"))
+    library.expect(REPORT)
+    assert [report.run for report in library.reports()] == [REPORT.run, "20261122-080000-lab"]
+    assert library.report(REPORT.run) == REPORT
+    library.add(REPORT)
+    assert len(library.reports()) == len(list(tmp_path.iterdir())) == 2
+    library.expect(later := replace(REPORT, run="20261124-080000-lab"))
+    library.delete(later.run)
+    assert later not in library.reports()
+
+
 def test_the_oldest_are_deleted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(run_library, "MOST_REPORTS", 2)
     library = RunLibrary(tmp_path)

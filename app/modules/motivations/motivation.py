@@ -14,6 +14,7 @@ class Motivation(Module):
     *instinctive* for what the robot itself needs by simple rules (its battery, its safety), *rational* for its task (a
     scenario, a tour, rules, what it has learned), *emotional* for conflicts and changes between tasks."""
 
+    role = "motivations"
     #: Its kind; a subclass that is no part of a task names its own.
     motive: ClassVar[Motive] = "rational"
 

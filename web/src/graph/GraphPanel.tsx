@@ -236,6 +236,9 @@ function Explained({ graph, name, close }: { graph: Graph; name: string; close: 
           {t("to {names}", { names: [...new Set(out.map((edge) => titles.get(edge.to)))].join(", ") })}
         </p>
       )}
+      {node.untaken.length > 0 && (
+        <p class="small muted">{t("to no module: {channels}", { channels: node.untaken.join(", ") })}</p>
+      )}
     </div>
   );
 }

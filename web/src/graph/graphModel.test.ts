@@ -42,6 +42,11 @@ test("modules are joined by channels, at the φ of the port and the rate of the 
   ]);
 });
 
+test("channels that no module takes are known", () => {
+  const untaken = Object.fromEntries(graph.nodes.map((node) => [node.name, node.untaken]));
+  expect(untaken).toEqual({ Camera: [], Faces: [], Voices: ["voices"], Gaze: [] });
+});
+
 test("where nothing goes on is left out", () => {
   const active = activeOf(graph);
   expect(active.nodes.map(({ name }) => name)).toEqual(["Camera", "Faces"]);

@@ -14,6 +14,8 @@ export interface GraphNode {
   budget: number | null;
   /** Whether anything goes in or out of it now. */
   active: boolean;
+  /** Channels that it feeds and no module takes: what is for the page or a recording, and what is not wired yet. */
+  untaken: string[];
 }
 
 export interface GraphEdge {
@@ -49,13 +51,15 @@ export function graphOf(load: Load, sources: readonly SourceState[]): Graph {
   const busy = new Set(edges.filter(({ phi }) => phi !== null).flatMap(({ from, to }) => [from, to]));
   const titles = load.modules.map(({ title }) => title);
   const alone = (title: string) => titles.indexOf(title) === titles.lastIndexOf(title);
-  const nodes = load.modules.map(({ name, title, role, state, cpu, cpu_budget, inputs }) => ({
+  const taken = new Set(load.modules.flatMap(({ inputs }) => inputs.map(({ channel }) => channel)));
+  const nodes = load.modules.map(({ name, title, role, state, cpu, cpu_budget, inputs, outputs }) => ({
     name,
     title: title !== "" && alone(title) ? title : spaced(name),
     role,
     state,
     cpu,
     budget: cpu_budget,
+    untaken: outputs.flatMap(({ channel }) => (channel === null || taken.has(channel) ? [] : [channel])),
     active: cpu >= 0.05 || (busy.has(name) && (inputs.length === 0 || inputs.some(({ divisor }) => divisor !== null))),
   }));
   return { nodes, edges };

@@ -85,7 +85,8 @@ export function MapRow({ kept }: { kept: KeptMap }) {
   );
 }
 
-function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
+/** What is asked before a map is taken into use. */
+export function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
   const { maps, store } = useApp();
   const id = useId();
   const extend = useSignal(false);
@@ -99,6 +100,7 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
   return (
     <form
       class="map-form"
+      ref={inSight}
       onSubmit={(event) => {
         event.preventDefault();
         const { x, y, theta } = where === "here" ? localization! : { x: 0, y: 0, theta: 0 };
@@ -167,6 +169,11 @@ function LoadForm({ kept, onDone }: { kept: KeptMap; onDone: () => void }) {
       </div>
     </form>
   );
+}
+
+/** A form that opens below the edge would look as if nothing had happened. */
+function inSight(form: HTMLFormElement | null): void {
+  form?.scrollIntoView({ block: "nearest" });
 }
 
 function Choice(props: {

@@ -152,5 +152,5 @@ export function nameProblem(name: string): string {
   if (NAME.test(name)) return "";
   if (!/^[A-Za-z0-9]/.test(name)) return t("Begins with a letter or a digit.");
   if (name.length > 100) return t("At most 100 characters.");
-  return t("Letters, digits, dots, - and _ only.");
+  return t("No spaces: letters, digits, dots, - and _ only.");
 }

@@ -5,20 +5,24 @@ import { plural, rich, t } from "../i18n";
 import { nameProblem } from "../map/library";
 import { useApp } from "../state/context";
 import { CloseIcon, QrIcon, WarnIcon } from "../ui/icons";
-import { posterTitle } from "./tourEdits";
+import { newId, posterTitle } from "./tourEdits";
 
 export function TourDriveBanner() {
   const { maps, store, tourDrive } = useApp();
-  const name = useSignal("");
+  /** Null: nothing was typed, the map is called as the tour. */
+  const typed = useSignal<string | null>(null);
   const tour = tourDrive.tour.value;
   if (!tour || store.replay.value) return null;
   const unnamed = (maps.inUse.value ?? "") === "";
-  const wrong = unnamed && name.value !== "" ? nameProblem(name.value.trim()) : "";
-  const ready =
-    tour.met.length > 0 && store.live.value && !tourDrive.busy.value && (!unnamed || name.value.trim() !== "");
+  const others = maps.list.value?.maps.map((map) => map.name) ?? [];
+  const name = typed.value ?? newId(tour.title, others, "map");
+  const wrong = unnamed ? nameProblem(name.trim()) : "";
+  const ready = tour.met.length > 0 && store.live.value && !tourDrive.busy.value;
   const finish = async () => {
-    await tourDrive.finish(name.peek());
-    if (!tourDrive.tour.peek()) store.tab.value = "tour";
+    await tourDrive.finish(name);
+    if (tourDrive.tour.peek()) return;
+    typed.value = null;
+    store.tab.value = "tour";
   };
   return (
     <section
@@ -60,14 +64,15 @@ export function TourDriveBanner() {
         }}
       >
         {unnamed && (
-          <input
-            aria-label={t("Keep the map as")}
-            placeholder={t("Keep the map as…")}
-            data-testid="tour-drive-map"
-            value={name.value}
-            autocomplete="off"
-            onInput={(event) => (name.value = event.currentTarget.value)}
-          />
+          <label class="tour-drive-name">
+            <span>{t("Keep the map as")}</span>
+            <input
+              data-testid="tour-drive-map"
+              value={name}
+              autocomplete="off"
+              onInput={(event) => (typed.value = event.currentTarget.value)}
+            />
+          </label>
         )}
         <button
           type="submit"

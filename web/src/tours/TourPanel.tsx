@@ -104,7 +104,8 @@ function NewTour() {
   const title = useSignal("");
   const language = useSignal("en");
   const known = store.of("localization").value !== null;
-  const ready = title.value.trim() !== "" && tours.allowed.value && !tours.busy.value;
+  // Without a title, the browser asks for it at the press: a button that does nothing would not say why.
+  const ready = tours.allowed.value && !tours.busy.value;
   const drives = store.body.value.drives && store.body.value.places;
   const map = maps.inUse.value ?? "";
   return (
@@ -125,7 +126,9 @@ function NewTour() {
             data-testid="tour-new-title"
             value={title.value}
             maxLength={100}
-            placeholder={t("The robotics lab")}
+            placeholder={t("such as: The robotics lab")}
+            required
+            pattern=".*\S.*"
             autocomplete="off"
             onInput={(event) => (title.value = event.currentTarget.value)}
           />
@@ -145,7 +148,10 @@ function NewTour() {
             class="button accent"
             data-testid="tour-drive"
             disabled={!ready || tourDrive.tour.value !== null}
-            onClick={() => void tourDrive.begin(title.peek().trim(), language.peek())}
+            onClick={(event) => {
+              if (event.currentTarget.form?.reportValidity())
+                void tourDrive.begin(title.peek().trim(), language.peek());
+            }}
           >
             <QrIcon /> {t("By driving")}
           </button>

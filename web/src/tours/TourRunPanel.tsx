@@ -1,6 +1,8 @@
 /** Leads tours: begins one, shows how it goes and why, and steers it. */
 
+import { useSignal } from "@preact/signals";
 import { fromRobot, langOf, plural, t } from "../i18n";
+import { LoadForm } from "../map/MapRow";
 import type { TourProgress } from "../protocol/types";
 import { subtitleOf } from "../speech/subtitle";
 import { useApp } from "../state/context";
@@ -85,6 +87,7 @@ function Begin() {
           )}
         </p>
       )}
+      <OnAnotherMap key={chosen.id} map={chosen.map} />
       <div class="tour-run-buttons two-ways">
         <button
           type="button"
@@ -107,6 +110,32 @@ function Begin() {
         </button>
       </div>
     </>
+  );
+}
+
+/** A tour is led on its own map alone: which has to be loaded first, here. */
+function OnAnotherMap({ map }: { map: string }) {
+  const { maps } = useApp();
+  const open = useSignal(false);
+  const kept = maps.list.value?.maps.find(({ name, problem }) => name === map && !problem);
+  const used = maps.inUse.value;
+  if (!kept || used === map) return null;
+  return (
+    <div class="tour-run-map" data-testid="tour-run-map">
+      <p class="tour-lack small">
+        {used
+          ? t("It is on the map {map}, and {used} is in use.", { map, used })
+          : t("It is on the map {map}, which is not loaded yet.", { map })}
+      </p>
+      {open.value ? (
+        <LoadForm kept={kept} onDone={() => (open.value = false)} />
+      ) : (
+        <button type="button" class="button" data-testid="tour-run-load" onClick={() => (open.value = true)}>
+          {t("Load the map {map}…", { map })}
+        </button>
+      )}
+      {maps.problem.value && <p class="field-error">{maps.problem.value}</p>}
+    </div>
   );
 }
 

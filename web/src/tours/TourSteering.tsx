@@ -67,7 +67,7 @@ export function TourSteering({ progress }: { progress: TourProgress }) {
       </div>
       {ending.value && progress.state !== "idle" && (
         <Confirm
-          words={t("The robot says goodbye and goes home.")}
+          words={t("End the tour now? The robot says goodbye first.")}
           yes={t("End the tour")}
           no={t("Do not end it")}
           onYes={() => {

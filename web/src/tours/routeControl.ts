@@ -64,7 +64,7 @@ export class RouteControl {
       }
       if (now.map !== null && now.map !== now.tour.map) {
         this.forget(
-          t("This tour is on the map {map}; {used} is in use.", { map: now.tour.map, used: now.map || "a new map" }),
+          t("This tour is on the map {map}; {used} is in use.", { map: now.tour.map, used: now.map || t("a new map") }),
         );
         return;
       }

@@ -33,6 +33,11 @@ class RunKeeper:
         self._saved: tuple[object, ...] | None = None
         self._saved_at = 0.0
 
+    def expect(self) -> None:
+        """List the reports that the next :meth:`save` writes: it is asked for as soon as a run is over."""
+        for report in self.over:
+            self._library.expect(report)
+
     async def save(self, now: float, run: GuidedRun | None, pose: tuple[float, float, float] | None = None) -> None:
         """Keep ``run``, once something of it has changed, and the reports of those that are over.
 

@@ -259,7 +259,8 @@ class TourGuide(Motivation):
         maps = self.service(MapService)
         in_use = maps.server.name if maps.available else ""
         if in_use != tour.map:
-            return f"the tour {tour.id} is on the map {tour.map}, and the map in use is {in_use or 'without a name'}"
+            used = f"the map in use is {in_use}" if in_use else "no map is loaded"
+            return f"the tour {tour.id} is on the map {tour.map}, and {used}: load {tour.map} first"
         known = {place.id for place in self._places or ()}
         if not any(stop.place in known for stop in tour.stops if not stop.left_out):
             return f"none of the places of the tour {tour.id} is on the map"
@@ -360,6 +361,7 @@ class TourGuide(Motivation):
         self._desires.want(run.wishes(run.view.now))
         if (run.progress.state, run.progress.stop) != (before.state, before.stop):
             self._note(run, run.progress)
+        self._keeper.expect()
         self._publish()
 
     def _view(self, run: GuidedRun, events: tuple[Event, ...]) -> View:

@@ -311,10 +311,21 @@ async def test_an_emergency_stop_that_is_released_at_once_is_a_pause(tmp_path: P
 
 
 @in_virtual_time
+async def test_the_report_is_there_as_soon_as_the_run_is_over(tmp_path: Path) -> None:
+    async with await lab(tmp_path) as led:
+        led.start()
+        await led.until("inviting")
+        led.press("decline")
+        assert led.progress.state == "idle"
+        (report,) = await asyncio.to_thread(led.runs.reports)
+        assert report.ended is not None
+
+
+@in_virtual_time
 async def test_no_tour_begins_that_cannot_be_led(tmp_path: Path) -> None:
     async with await lab(tmp_path) as led:
         for wrong, why in (
-            (tour(map="garage"), "is on the map garage, and the map in use is lab"),
+            (tour(map="garage"), "is on the map garage, and the map in use is lab: load garage first"),
             (tour(stops=[stop("three")]), "none of the places"),
         ):
             with pytest.raises(TourRefused, match=why):

@@ -116,7 +116,7 @@ export const map = {
   "A name is needed.": "Il faut un nom.",
   "Begins with a letter or a digit.": "Doit commencer par une lettre ou un chiffre.",
   "At most 100 characters.": "Au plus 100 caractères.",
-  "Letters, digits, dots, - and _ only.": "Seulement lettres, chiffres, points, - et _.",
+  "No spaces: letters, digits, dots, - and _ only.": "Sans espaces : lettres, chiffres, points, - et _.",
   "{x}, {y} metres": "{x} ; {y} mètres",
   "no heading yet": "pas encore de cap",
   "heading {degrees} degrees": "cap {degrees} degrés",

@@ -42,6 +42,7 @@ export const panels = {
   "from {source}: {filter}": "de {source} : {filter}",
   "({rate} a second come)": "(il en arrive {rate} par seconde)",
   "to {names}": "vers {names}",
+  "to no module: {channels}": "vers aucun module : {channels}",
   Sensors: "Capteurs",
   Perception: "Perception",
   Motivations: "Motivations",
