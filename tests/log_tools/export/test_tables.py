@@ -63,6 +63,7 @@ def test_nested_fields_become_columns_with_their_units(tmp_path: Path) -> None:
         "twist.lateral_mps": "0.0",
         "limited": "",
         "group": "base",
+        "outdone": "[]",
     }
 
 
