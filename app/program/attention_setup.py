@@ -82,10 +82,9 @@ def unserved(
             for name, slot in graph.modules.items()
             if cls in [getattr(declared, "name", "") for declared in slot.module.desire_classes]
         ]
-        declared = f"{' and '.join(modules)} declare{'s' * (len(modules) == 1)}"
         text = (
-            f"no strategy serves {cls}, which {declared}: a desire of it does nothing; add one to a file under "
-            "`strategies` of the program, and the module whose filters it opens"
+            f"no strategy serves {cls}, a class of {' and '.join(modules)}: a desire of it does nothing; add one to a "
+            "file under `strategies` of the program, and the module whose filters it opens"
         )
         where = configuration.where("modules", modules[0]) if modules else ""
         cautions.append(Caution(f"{classes[cls].title} is served by nothing", text, where))

@@ -35,7 +35,7 @@ def test_desire() -> None:
         "utility": 1.0,
         "security": False,
         "params": {"x": 3},
-        "source": {"kind": "rest", "name": "curl", "rule": "", "event": "", "applied": None},
+        "source": {"kind": "rest", "name": "curl", "rule": "", "event": "", "applied": None, "motive": None},
         "created": 10.5,
         "expires": 40.5,
         "modulation": None,

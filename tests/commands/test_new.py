@@ -85,7 +85,7 @@ def test_a_class_that_no_strategy_serves_is_said(
     assert cli.main(["check", str(file)]) == 0
     said = capsys.readouterr()
     assert "no mistake found, 1 warning" in said.out
-    assert "no strategy serves FindQRCodes, which QRCodeDetector and NearWatch declare: a desire of it" in said.err
+    assert "no strategy serves FindQRCodes, a class of QRCodeDetector and NearWatch: a desire of it" in said.err
     del sys.modules["hbba_near_watch"]
 
 

@@ -202,7 +202,7 @@ def test_a_reader_who_forgets_the_line_of_strategies_is_warned_and_the_robot_sta
     assert said.err.startswith(f"{program}:{line}: no strategy opens Approach.twist")
     assert "MobileBaseControl.approach" in said.err
     assert "`strategies`" in said.err
-    assert "no strategy serves Approach, which Approach declares" in said.err
+    assert "no strategy serves Approach, a class of Approach" in said.err
     configuration, body = driving(program)
 
     async def script(run: WorldRun) -> tuple[float, bool]:

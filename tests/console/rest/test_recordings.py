@@ -122,7 +122,9 @@ async def test_recording_needs_nothing_said(client: httpx.AsyncClient) -> None:
     created = await client.post("/recordings")
     assert created.status_code == 201
     assert created.json()["params"] == {"name": "", "keep_minutes": 0}
-    assert created.json()["source"] == {"kind": "rest", "name": "rest", "rule": "", "event": "", "applied": None}
+    assert created.json()["source"] == {
+        "kind": "rest", "name": "rest", "rule": "", "event": "", "applied": None, "motive": None,
+    }  # fmt: skip
 
 
 async def test_the_same_key_records_once(client: httpx.AsyncClient) -> None:

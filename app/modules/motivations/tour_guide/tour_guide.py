@@ -259,8 +259,10 @@ class TourGuide(Motivation):
         maps = self.service(MapService)
         in_use = maps.server.name if maps.available else ""
         if in_use != tour.map:
-            used = f"the map in use is {in_use}" if in_use else "no map is loaded"
-            return f"the tour {tour.id} is on the map {tour.map}, and {used}: load {tour.map} first"
+            id_, wanted = tour.id, tour.map
+            if not in_use:
+                return f"the tour {id_} is on the map {wanted}, and no map is loaded: load {wanted} first"
+            return f"the tour {id_} is on the map {wanted}, and the map in use is {in_use}: load {wanted} first"
         known = {place.id for place in self._places or ()}
         if not any(stop.place in known for stop in tour.stops if not stop.left_out):
             return f"none of the places of the tour {tour.id} is on the map"
