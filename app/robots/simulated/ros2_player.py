@@ -5,8 +5,9 @@ simulated lab.
 kind ``ros2``, whose model and sizes the body has; or ``--body BODY.yaml`` in place of the map, a simulated body with
 its world. Topics are those of the mapping: scans and odometry (best effort, as a TurtleBot's), joints, battery,
 inertial sensor, cameras where the body has them, and ``/clock`` with ``--sim-time``; it takes velocities, and
-set-points of joints on the topics and by the actions of ``joint_commands``. Without a command for ``--watchdog``
-seconds (a body: as its file says) it stops by itself.
+set-points of joints on the topics and by the actions of ``joint_commands``: as controllers of ros2_control do, it goes
+to the newest of a topic, all the way, and stays. Without a velocity for ``--watchdog`` seconds (a body: as its file
+says) the base stops by itself.
 
 It prints ``ready`` once it moves. Lines on its standard input are faults: ``odometry off``, ``odometry on``,
 ``clock SECONDS`` (its clock is ahead by so much from then on), ``clock stop`` (of ``/clock``), ``origin`` (odometry
@@ -127,6 +128,8 @@ class Ros2Player:
         node.create_subscription(kind, commands, self._commanded, qos_profile_sensor_data)
         goals = None if options.goals is None else options.goals.open("w", encoding="utf-8")
         self._actions: list[JointAction] = []
+        #: By group: the newest set-point that came by a topic.
+        self._setpoints: dict[str, tuple[tuple[str, ...], tuple[float, ...]]] = {}
         for group, topic in config.joint_commands.items():
             names = tuple(joint.name for joint in config.groups[group].joints)
             name = config.full_name(topic.topic or topic.action or "")
@@ -134,7 +137,7 @@ class Ros2Player:
                 self._actions.append(JointAction(node, name, names, partial(self._command_joints, group), goals))
                 continue
             take = partial(self._sent, group, names)
-            node.create_subscription(message_class(topic.type), name, take, qos_profile_sensor_data)
+            node.create_subscription(message_class(topic.type), name, take, 10)
         receivers: dict[str, Callable[[Any], None]] = {
             "odometry": self._give_odometry,
             "joints": self._give_joints,
@@ -186,7 +189,8 @@ class Ros2Player:
             names, positions = tuple(message.joint_names), message.points[-1].positions
         else:
             positions = message.data
-        self._command_joints(group, names, tuple(map(float, positions)))
+        setpoint = names, tuple(map(float, positions))
+        self._loop.call_soon_threadsafe(lambda: self._setpoints.update({group: setpoint}))
 
     def _command_joints(self, group: str, names: tuple[str, ...], positions: tuple[float, ...]) -> None:
         command = (group, names, positions)
@@ -249,6 +253,8 @@ class Ros2Player:
     def _give_joints(self, joints: JointState) -> None:
         for action in self._actions:
             action.take(joints)
+        for group, setpoint in self._setpoints.items():
+            self._link.command(JointCommand(self._clock.now(), group, *setpoint))
         message = RosJointState()
         self._stamp(message.header, joints.stamp)
         message.name, message.position = list(joints.names), list(joints.positions)

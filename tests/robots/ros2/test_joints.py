@@ -10,14 +10,17 @@ from pathlib import Path
 import pytest
 
 from app.base import paths
+from app.logs.ros.live.classes import message_class
 from app.messages import GroupStatus, JointCommand, LinkStatus
+from app.robots.ros2.config import load_ros2_config
 from tests.patience import PATIENCE_S
-from tests.robots.ros2.robot import Robot, Ros2Driver, mapping, needs_ros2
+from tests.robots.ros2.robot import Robot, Ros2Driver, domain, mapping, needs_ros2
 
 pytestmark = [
     pytest.mark.slow,
     needs_ros2,
     pytest.mark.blocking(reason="reads a mapping; nothing else is on the loop"),
+    pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),  # of the parser that rclpy imports
 ]
 
 MAPPING = f"""\
@@ -98,6 +101,29 @@ async def test_head_and_gripper_follow_commands_and_stop_with_them(robot: Robot,
         await driver.wait_for("a release", lambda seen: "emergency" not in joints.status("head").reason)
         assert await still(driver, joints) == pytest.approx(stood, abs=1e-3)
         await joints.send("head", "pan_joint", -0.5)
+
+
+async def test_a_controller_goes_all_the_way_to_its_newest_set_point(robot: Robot, file: Path) -> None:
+    """The robot's own: a computer that is late gives it no other, for what stays is not sent again."""
+    import rclpy
+
+    from app.robots.ros2.joint_commands import encoded
+
+    context = rclpy.Context()
+    rclpy.init(args=["--ros-args", "--disable-external-lib-logs"], context=context, domain_id=domain())
+    node = rclpy.create_node("teacher", context=context, enable_rosout=False, start_parameter_services=False)
+    try:
+        async with Ros2Driver(mapping(file)) as driver:
+            joints = Joints(driver)
+            await driver.wait_for("joints", lambda seen: "joints" in seen)
+            topic = load_ros2_config(file).joint_commands["head"]
+            publisher = node.create_publisher(message_class(topic.type), "/head_controller/joint_trajectory", 1)
+            await driver.wait_for("a controller", lambda seen: publisher.get_subscription_count() > 0)
+            publisher.publish(encoded(topic, ("pan_joint",), (0.8,)))
+            await driver.wait_for("the end", lambda seen: joints.at("pan_joint") == pytest.approx(0.8, abs=1e-3))
+    finally:
+        node.destroy_node()
+        rclpy.shutdown(context=context)
 
 
 async def still(driver: Ros2Driver, joints: Joints, name: str = "pan_joint") -> float:
