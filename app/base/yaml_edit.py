@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -12,6 +10,7 @@ import yaml
 
 from app.base.errors import ConfigError
 from app.base.plain_file import read_plain
+from app.base.whole_file import write_whole
 from app.base.yaml_source import MOST_BYTES, KeyPath, dotted, load_text
 
 
@@ -48,20 +47,12 @@ def replaced(text: str, numbers: Mapping[KeyPath, str], file: str) -> str:
 def replace_numbers(file: Path, numbers: Mapping[KeyPath, str]) -> None:
     """Write ``file`` again with ``numbers`` (see :func:`replaced`): wholly, or not at all. Raises ConfigError."""
     target = file.resolve()
-    beside = target.with_name(f"{target.name}.new")
     try:
         text = replaced(read_plain(target, MOST_BYTES).decode("utf-8"), numbers, str(file))
-        with beside.open("w", encoding="utf-8", newline="") as stream:
-            stream.write(text)
-            stream.flush()
-            os.fsync(stream.fileno())
-        shutil.copymode(target, beside)
-        beside.replace(target)
+        write_whole(target, text.encode())
     except UnicodeDecodeError:
         raise ConfigError("is not a text file in UTF-8", str(file)) from None
     except OSError as failure:
-        if beside.is_file():
-            beside.unlink()
         raise ConfigError(f"cannot be written: {failure.strerror or failure}", str(file)) from None
 
 

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from app.base import paths
 from app.base.errors import ConfigError
+from app.base.whole_file import write_whole
 from app.commands import calibrate_microphones
 from app.commands.arguments import add_config, find_log, names, real, whole
 from app.commands.output import add_json, print_json
@@ -294,9 +295,7 @@ def _write(calibration: CostCalibration, output: Path) -> None:
 
     head = "# CPU time of modules here, as `hbba calibrate` measured it; `calibrated_or` costs rest on it.\n"
     content = yaml.safe_dump(calibration.model_dump(mode="json"), sort_keys=False, allow_unicode=True)
-    beside = output.with_name(f"{output.name}.new")
-    beside.write_text(head + content, encoding="utf-8")
-    beside.replace(output)
+    write_whole(output, (head + content).encode())
     plot(calibration, output.with_suffix(".png"))
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import contextlib
 import errno
-import os
 import shutil
 import tempfile
 import threading
@@ -23,6 +22,7 @@ import numpy as np
 
 from app.base.errors import ConfigError
 from app.base.named_library import NamedLibrary, data_folder
+from app.base.whole_file import write_synced, write_whole
 from app.maps.map_file import MOST_CELLS, pgm_bytes, read_map, yaml_text
 from app.maps.map_service import MapUnavailable
 from app.maps.picture import shown_png
@@ -182,13 +182,13 @@ class MapLibrary(NamedLibrary):
         self.folder.mkdir(parents=True, exist_ok=True)
         new = Path(tempfile.mkdtemp(prefix=".new-", dir=self.folder))
         try:
-            _write(new / PICTURE, pgm_bytes(grid))
-            _write(new / ZONES, zones_text(zones).encode())
+            write_synced(new / PICTURE, pgm_bytes(grid))
+            write_synced(new / ZONES, zones_text(zones).encode())
             for file, write in others.items():
                 write(new / file)
             for kept in along:
-                _write(new / kept.name, kept.read_bytes())
-            _write(new / MAP, yaml_text(grid, PICTURE).encode())
+                write_synced(new / kept.name, kept.read_bytes())
+            write_synced(new / MAP, yaml_text(grid, PICTURE).encode())
             new.chmod(0o755)
             old = self.folder / f".{path.name}.old"
             with self._replacing:
@@ -202,20 +202,14 @@ class MapLibrary(NamedLibrary):
             raise
 
     def keep_zones(self, name: str, zones: Iterable[Zone]) -> None:
-        """Replace the zones of the map ``name``."""
+        """Replace the zones of the map ``name``, wholly or not at all."""
         with self._writing:
-            path = self.existing(name) / ZONES
-            new = path.with_name(f".{ZONES}.new")
-            _write(new, zones_text(zones).encode())
-            new.replace(path)
+            write_whole(self.existing(name) / ZONES, zones_text(zones).encode())
 
     def keep_places(self, name: str, places: Iterable[Place]) -> None:
         """Replace the places of the map ``name``, wholly or not at all."""
         with self._writing:
-            path = self.existing(name) / PLACES
-            new = path.with_name(f".{PLACES}.new")
-            write_places(new, places)
-            new.replace(path)
+            write_places(self.existing(name) / PLACES, places)
 
     def rename(self, name: str, to: str) -> None:
         """Call the map ``name`` ``to`` from now on. Raises MapNameTaken where another has that name."""
@@ -237,14 +231,6 @@ def _kept_beside(folder: Path, others: Container[str]) -> Iterator[Path]:
         for file in folder.iterdir():
             if file.is_file() and not file.name.startswith(".") and file.name not in own and file.name not in others:
                 yield file
-
-
-def _write(path: Path, data: bytes) -> None:
-    """Write a file so that it is on the disk when its folder gets its name."""
-    with path.open("wb") as file:
-        file.write(data)
-        file.flush()
-        os.fsync(file.fileno())
 
 
 def default_folder() -> Path:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-import os
 import re
 import unicodedata
 from collections.abc import Collection, Iterable
@@ -15,6 +14,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from app.base.geometry import Pose2, wrap_angle
+from app.base.whole_file import write_whole
 from app.base.yaml_source import load_yaml
 from app.maps.zones import FURTHEST_M
 from app.messages import Place
@@ -108,11 +108,8 @@ def places_text(places: Iterable[Place]) -> str:
 
 
 def write_places(path: Path, places: Iterable[Place]) -> None:
-    """Write ``places.yaml`` to ``path``; it is on the disk when this returns. Raises OSError."""
-    with path.open("wb") as file:
-        file.write(places_text(places).encode())
-        file.flush()
-        os.fsync(file.fileno())
+    """Write ``places.yaml`` to ``path``, wholly or not at all. Raises OSError."""
+    write_whole(path, places_text(places).encode())
 
 
 def new_id(name: str, taken: Collection[str]) -> str:

@@ -7,13 +7,13 @@ of the user's hides the program's of the same id; the program's own files are ne
 from __future__ import annotations
 
 import contextlib
-import os
 from pathlib import Path
 from typing import ClassVar
 
 from app.base.errors import ConfigError
 from app.base.named_library import NamedLibrary, data_folder
 from app.base.plain_file import megabytes
+from app.base.whole_file import write_whole
 from app.tours.model import Tour
 from app.tours.tour_file import MOST_BYTES, load_tour, tour_text
 
@@ -110,16 +110,7 @@ class TourLibrary(NamedLibrary):
                 f"The file of {tour.id} would have more than {megabytes(MOST_BYTES)}, the most that is read"
             )
         self.folder.mkdir(parents=True, exist_ok=True)
-        new = path.with_name(f".{path.name}.new")
-        try:
-            with new.open("wb") as file:
-                file.write(text.encode())
-                file.flush()
-                os.fsync(file.fileno())
-            new.replace(path)
-        except BaseException:
-            new.unlink(missing_ok=True)
-            raise
+        write_whole(path, text.encode())
 
     def delete(self, name: str) -> None:
         """Delete the user's tour ``name``, if there is one; the program's of that id is there again."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from pathlib import Path
 from typing import ClassVar
@@ -11,6 +10,7 @@ import msgspec
 
 from app.base.named_library import NamedLibrary, data_folder
 from app.base.plain_file import read_plain
+from app.base.whole_file import write_whole
 from app.tours.run_report import RunReport
 
 #: So many reports are kept, the newest.
@@ -112,9 +112,7 @@ class RunLibrary(NamedLibrary):
     def _write(self, path: Path, data: bytes) -> None:
         """Wholly or not at all."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        draft = path.with_name(f".{path.name}.new")
-        draft.write_bytes(data)
-        os.replace(draft, path)
+        write_whole(path, data)
 
 
 def default_folder() -> Path:

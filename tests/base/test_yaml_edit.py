@@ -77,7 +77,7 @@ def test_a_file_is_written_wholly_or_not_at_all(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match=r"link\.yaml:3: there is no number"):
         replace_numbers(link, {("body_m",): "0.3", ("positions",): "1"})
     assert "0.2000" in file.read_text(encoding="utf-8")
-    (tmp_path / "array.yaml.new").mkdir()
+    (tmp_path / ".array.yaml.new").mkdir()
     with pytest.raises(ConfigError, match="cannot be written"):
         replace_numbers(file, {("body_m",): "0.3"})
     assert "0.2000" in file.read_text(encoding="utf-8")

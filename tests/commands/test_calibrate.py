@@ -96,7 +96,7 @@ def test_a_disk_that_fails_meanwhile_is_one_sentence(
     program: Path, log_file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     # What is measured is written here after each run.
-    (tmp_path / "here.partial.json.new").mkdir()
+    (tmp_path / ".here.partial.json.new").mkdir()
     options = ["--config", str(program), "--only", "CameraStream", "--out", str(tmp_path / "here.yaml")]
     assert cli.main(["calibrate", str(log_file), *options]) == 2
     assert "cannot be written" in capsys.readouterr().err

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,6 +12,7 @@ from msgspec import Meta
 
 from app.base.named_library import data_folder
 from app.base.web_address import checked_url
+from app.base.whole_file import write_whole
 from app.console.webhooks.signing import secret_bytes
 from app.messages import EventKind
 
@@ -59,11 +59,4 @@ def read_webhooks(file: Path) -> tuple[Webhook, ...]:
 def write_webhooks(file: Path, hooks: Iterable[Webhook]) -> None:
     """Keep ``hooks`` in ``file``, wholly or not at all, readable by this user alone. Raises OSError."""
     file.parent.mkdir(parents=True, exist_ok=True)
-    draft = file.with_name(f".{file.name}.new")
-    draft.unlink(missing_ok=True)
-    descriptor = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
-    with os.fdopen(descriptor, "wb") as opened:
-        opened.write(msgspec.json.format(msgspec.json.encode(tuple(hooks)), indent=2) + b"\n")
-        opened.flush()
-        os.fsync(descriptor)
-    draft.replace(file)
+    write_whole(file, msgspec.json.format(msgspec.json.encode(tuple(hooks)), indent=2) + b"\n", mode=0o600)

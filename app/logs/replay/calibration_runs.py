@@ -18,6 +18,7 @@ from statistics import median
 
 from app.attention.calibration import CostFit, Point, Relation, relation_name
 from app.attention.strategies import CLOSED, StrategyTable
+from app.base.whole_file import write_whole
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -173,9 +174,7 @@ class CalibrationProgress:
         self.results.update(results)
         entries = [{"run": asdict(r), "result": asdict(m)} for r, m in self.results.items()]
         self._path.parent.mkdir(parents=True, exist_ok=True)
-        beside = self._path.with_name(f"{self._path.name}.new")
-        beside.write_text(json.dumps({"key": self._key, "results": entries}, indent=1), encoding="utf-8")
-        beside.replace(self._path)
+        write_whole(self._path, json.dumps({"key": self._key, "results": entries}, indent=1).encode())
 
     def discard(self) -> None:
         """Done: the file is not needed any more."""
