@@ -74,19 +74,18 @@ def attend(configuration: Configuration, graph: Graph, table: StrategyTable) -> 
 def unserved(
     configuration: Configuration, graph: Graph, table: StrategyTable, classes: DesireClasses
 ) -> tuple[Caution, ...]:
-    """A warning for each of ``classes`` that no strategy of ``table`` serves: a desire of it does nothing."""
+    """A warning for each of ``classes`` that no strategy of ``table`` serves and a module here declares: a desire of it
+    does nothing."""
     cautions = []
     for cls in sorted(set(classes) - {each.cls for each in table.strategies}):
-        modules = [
-            name
-            for name, slot in graph.modules.items()
-            if cls in [getattr(declared, "name", "") for declared in slot.module.desire_classes]
-        ]
+        modules = [name for name, slot in graph.modules.items() if classes[cls] in slot.module.desire_classes]
+        if not modules:  # those of a replay or a trial are not all there
+            continue
         text = (
             f"no strategy serves {cls}, a class of {' and '.join(modules)}: a desire of it does nothing; add one to a "
             "file under `strategies` of the program, and the module whose filters it opens"
         )
-        where = configuration.where("modules", modules[0]) if modules else ""
+        where = configuration.where("modules", modules[0])
         cautions.append(Caution(f"{classes[cls].title} is served by nothing", text, where))
     return tuple(cautions)
 

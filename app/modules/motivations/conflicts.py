@@ -63,11 +63,6 @@ class ConflictLog:
         """Whether ``behavior`` is let through to ``group`` at ``now``."""
         return now - self._through.get((group, behavior), -math.inf) <= GAP_S
 
-    def clear(self) -> None:
-        """Time has jumped: no conflict is known."""
-        self._spans.clear()
-        self._through.clear()
-
 
 def classes_served(behavior: str, intention: IntentionReport) -> frozenset[str]:
     """The desire classes of the strategies at work that open a filter of ``behavior``."""

@@ -62,6 +62,7 @@ from app.modules.perception.slam.localization_quality import empty_grid
 from app.modules.perception.slam.map_server import SlamMapServer
 from app.modules.perception.slam.optimizer import OptimizerProcess
 from app.modules.perception.slam.relocalizer import Relocalizer
+from app.modules.perception.slam.types import MOST_SUGGESTED
 from app.modules.perception.working_conditions import ConfidenceReporter, returns_confidence
 from app.runtime.module import Module, ModuleContext, Settings
 from app.runtime.ports import Output
@@ -142,7 +143,7 @@ class SLAM2D(Module):
         self.localization = self.output("localization", Localization)
         self.map = self.output("map", OccupancyGrid)
         self.zones = self.output("zones", Zones)
-        self.landmark_poses = self.input("landmark_poses", LandmarkPose, capacity=8, wants="never")
+        self.landmark_poses = self.input("landmark_poses", LandmarkPose, capacity=MOST_SUGGESTED, wants="never")
         self.keyframes = self.output("keyframes", Keyframes)
         self.confidence = self.output("confidence", Confidence)
         self._works = ConfidenceReporter(self.confidence)

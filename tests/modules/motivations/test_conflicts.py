@@ -205,8 +205,6 @@ def test_a_conflict_outlasts_a_short_pause_and_begins_again_after_a_long_one() -
     assert log.moves("LookAt", "head", 6.0)
     assert not log.moves("LookAt", "head", 7.0)
     assert not log.moves("LookAt", "base", 5.0)
-    log.clear()
-    assert not log.moves("LookAt", "head", 5.0)
 
 
 def test_conflicts_without_what_they_are_judged_by_are_refused() -> None:

@@ -22,9 +22,7 @@ from numpy.typing import NDArray
 
 from app.base.geometry import Pose2
 from app.modules.perception.slam.likelihood_field import LikelihoodField
-
-#: Number of suggested poses that are remembered.
-_MOST_SUGGESTED = 8
+from app.modules.perception.slam.types import MOST_SUGGESTED
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,7 +95,7 @@ class PoseSearch:
         self._travelled = self._turned = 0.0
         self._scans = 0
         #: Poses X_MO suggested, the newest last, and whether one of them has not been looked at yet.
-        self._suggested: deque[Pose2] = deque(maxlen=_MOST_SUGGESTED)
+        self._suggested: deque[Pose2] = deque(maxlen=MOST_SUGGESTED)
         self._suggestion_due = False
         #: Current hypotheses, the likeliest first.
         self.hypotheses: tuple[PoseHypothesis, ...] = ()

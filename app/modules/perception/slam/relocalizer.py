@@ -14,7 +14,7 @@ import numpy as np
 from app.base.geometry import Pose2
 from app.messages import LaserScan, Localization, OccupancyGrid
 from app.modules.perception.slam.localization_quality import FITS_NOT, FitMonitor, spread_of
-from app.modules.perception.slam.types import Match
+from app.modules.perception.slam.types import MOST_SUGGESTED, Match
 
 if TYPE_CHECKING:  # kernels are compiled or loaded on import
     from app.modules.perception.slam.relocalization import PoseHypothesis, PoseSearch
@@ -23,7 +23,6 @@ if TYPE_CHECKING:  # kernels are compiled or loaded on import
 _LEAST_MISFITS = 3
 #: ... and inlier share from which the map grows again: long walls are similar, and errors stay on the map.
 _SURE = 0.8
-_MOST_SUGGESTED = 8
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -64,7 +63,7 @@ class Relocalizer:
         self._hypotheses: tuple[PoseHypothesis, ...] = ()
         self._scan: tuple[LaserScan, Pose2] | None = None
         #: Poses X_MO by landmarks.
-        self._suggested: deque[Pose2] = deque(maxlen=_MOST_SUGGESTED)
+        self._suggested: deque[Pose2] = deque(maxlen=MOST_SUGGESTED)
         self._fits.begin(doubted)
 
     @property

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 from app.base.geometry import Pose2
 from app.modules.perception.slam.information import Information
 
+#: Number of poses that landmarks suggest and that are remembered while the robot searches its own.
+MOST_SUGGESTED = 8
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Keyframe:

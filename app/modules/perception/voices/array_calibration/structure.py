@@ -61,15 +61,23 @@ def affine_structure(heard: NDArray[np.float64], dimensions: int = 3) -> NDArray
     return positions
 
 
-def aligned(positions: NDArray[np.float64], to: NDArray[np.float64], *, mirror: bool = False) -> NDArray[np.float64]:
-    """``positions`` (M, 3) moved and turned to lie nearest to ``to`` (M, 3) (W. Kabsch, 1976); with ``mirror`` their
-    mirror image, if that lies nearer."""
+def turn_between(
+    positions: NDArray[np.float64], to: NDArray[np.float64], *, mirror: bool = False
+) -> NDArray[np.float64]:
+    """The rotation (3, 3), from the right, that lays ``positions`` (M, 3) about their middle nearest to ``to`` (M, 3)
+    about its own (W. Kabsch, 1976); with ``mirror`` a mirror image, if that lies nearer."""
     about, goal = positions - positions.mean(axis=0), to - to.mean(axis=0)
     left, _, right = np.linalg.svd(about.T @ goal)
     signs = np.ones(3)
     if not mirror and np.linalg.det(left @ right) < 0:
         signs[2] = -1
-    return np.asarray(about @ (left * signs) @ right + to.mean(axis=0))
+    return np.asarray((left * signs) @ right)
+
+
+def aligned(positions: NDArray[np.float64], to: NDArray[np.float64], *, mirror: bool = False) -> NDArray[np.float64]:
+    """``positions`` (M, 3) moved and turned to lie nearest to ``to`` (M, 3); as :func:`turn_between`."""
+    turn = turn_between(positions, to, mirror=mirror)
+    return np.asarray((positions - positions.mean(axis=0)) @ turn + to.mean(axis=0))
 
 
 def directions(heard: NDArray[np.float64], positions: NDArray[np.float64]) -> NDArray[np.float64]:
