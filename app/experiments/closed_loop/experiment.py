@@ -21,6 +21,7 @@ from app.attention.calibration import RESOURCE
 from app.attention.desires import Source
 from app.attention.strategies import CLOSED
 from app.base.geometry import Pose2
+from app.base.yaml_source import load_yaml
 from app.experiments.closed_loop.dear_module import DearMeter
 from app.experiments.closed_loop.result import Phase, RunResult, Sample
 from app.experiments.overload.confinement import confined, shared
@@ -69,7 +70,7 @@ def run(what: LoopPlan, on_progress: OnProgress) -> tuple[RunResult, ...]:
             on_progress(f"{kind}, {'closed' if closed else 'open'}", (number + part) / len(runs))
 
         with tempfile.TemporaryDirectory() as folder:
-            program = _changed(what.program, kind, closed, Path(folder))
+            program = program_of(what.program, kind, closed, Path(folder))
             results.append(asyncio.run(_run(program, kind, closed, what.phase_s, report)))
     return tuple(results)
 
@@ -93,8 +94,8 @@ def _starting(body: RobotConfig) -> RobotConfig:
     return body.model_copy(update={"start": start})
 
 
-def _changed(program: SimulatedProgram, kind: str, closed: bool, folder: Path) -> SimulatedProgram:
-    """The program of one run: its loop, and costs that are declared wrong."""
+def program_of(program: SimulatedProgram, kind: str, closed: bool, folder: Path) -> SimulatedProgram:
+    """``program`` for a run of ``kind``: its loop, and costs that are declared wrong, in files in ``folder``."""
     configuration = program.configuration
     attention = configuration.program.attention
     attention = attention.model_copy(update={"closed_loop": ClosedLoopConfig() if closed else None})
@@ -103,7 +104,7 @@ def _changed(program: SimulatedProgram, kind: str, closed: bool, folder: Path) -
     if factor is not None:
         files = []
         for number, file in enumerate(configuration.program.strategies):
-            data = scaled(yaml.safe_load(configuration.path(file).read_text(encoding="utf-8")), factor)
+            data = scaled(load_yaml(configuration.path(file)).data, factor)
             files.append(folder / f"{number}.yaml")
             files[-1].write_text(yaml.safe_dump(data, allow_unicode=True), encoding="utf-8")
         update["strategies"] = tuple(files)

@@ -5,13 +5,17 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Mapping
+from pathlib import Path
 
 import pytest
 
+from app.attention.strategy_file import load_strategies
 from app.experiments.closed_loop.dear_module import DearMeter
-from app.experiments.closed_loop.experiment import phases_of, scaled
+from app.experiments.closed_loop.experiment import WRONG, phases_of, plan, program_of, scaled
 from app.experiments.closed_loop.report import doubts, table
 from app.experiments.closed_loop.result import RunResult, Sample, back_s, judge, period_p99_ms
+from app.experiments.simulated import SimulatedProgram
+from app.program.desire_classes import desire_classes
 from app.runtime.load import CpuMeter
 
 
@@ -72,6 +76,21 @@ def test_declared_costs_are_wrong_everywhere() -> None:
         "strategies": [{"costs": {"cpu": {"calibrated_or": 2}, "power": 2}}, {"costs": {"cpu": 1}}, {}],
         "families": [{"costs": {"cpu": {"calibrated_or": {"base": 0, "slope": 3}}}}],
     }
+
+
+def test_the_program_of_each_run_is_the_shipped_one_with_wrong_costs(tmp_path: Path) -> None:
+    def costs(program: SimulatedProgram) -> dict[str, float]:
+        configuration = program.configuration
+        files = map(configuration.path, configuration.program.strategies)
+        table = load_strategies(files, classes=desire_classes(configuration))
+        return {each.name: each.costs.get("cpu", 0.0) for each in table.strategies}
+
+    program = plan(None, None, 1.0).program
+    declared = costs(program)
+    for kind, factor in (("too low", 1 / WRONG), ("too high", WRONG), ("load", 1.0)):
+        changed = program_of(program, kind, True, tmp_path)
+        assert changed.configuration.program.attention.closed_loop is not None
+        assert costs(changed) == pytest.approx({name: factor * cost for name, cost in declared.items()}, abs=0.01)
 
 
 def test_a_dear_module_takes_a_multiple_of_its_cpu() -> None:
