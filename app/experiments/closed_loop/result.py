@@ -10,8 +10,10 @@ from typing import Final
 
 import numpy as np
 
-#: Over the budget by no more than this is within it.
+#: Over the budget by no more than this is within it, on the average of so long (s): of one picture and the next, one
+#: has a face in it, and what strategies cost is an average, too.
 WITHIN: Final = 1.05
+AVERAGED_S: Final = 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +57,7 @@ class RunResult:
 
 @dataclass(frozen=True, slots=True)
 class Judgement:
-    """Of one phase: ``settled_s`` after its begin the CPU was within its budget for good (inf: never), ``left`` how
+    """Of one phase: ``settled_s`` after its begin the CPU kept within its budget (inf: never), ``left`` how
     often φ changed in the second half, ``over`` the mean of used CPU over the budget there."""
 
     phase: Phase
@@ -65,7 +67,7 @@ class Judgement:
 
 
 def judge(result: RunResult, phase: Phase) -> Judgement:
-    """How ``phase`` of ``result`` went. A fiftieth of the samples may be out of the budget: a second is short."""
+    """How ``phase`` of ``result`` went."""
     within = [s for s in result.samples if phase.begins <= s.t <= phase.ends]
     if not within:
         return Judgement(phase, math.inf, 0, math.nan)
@@ -76,13 +78,15 @@ def judge(result: RunResult, phase: Phase) -> Judgement:
 
 
 def settled(samples: Sequence[Sample]) -> float:
-    """The time from which on nearly all ``samples`` are within the budget; inf: none."""
+    """The time from which on each average of :data:`AVERAGED_S` is within the budget; inf: none."""
+    found = math.inf
     for number, sample in enumerate(samples):
-        rest = samples[number:]
-        outside = sum(s.used > WITHIN * s.budget for s in rest)
-        if sample.used <= WITHIN * sample.budget and outside <= len(rest) / 50:
-            return sample.t
-    return math.inf
+        ahead = [s for s in samples[number:] if s.t < sample.t + AVERAGED_S]
+        if sum(s.used for s in ahead) > WITHIN * sum(s.budget for s in ahead):
+            found = math.inf
+        elif found == math.inf:
+            found = sample.t
+    return found
 
 
 def changes(samples: Sequence[Sample]) -> int:

@@ -39,10 +39,12 @@ def result(samples: list[Sample], *, closed: bool = True, kind: str = "load", ot
 def test_a_phase_is_settled_when_the_budget_is_kept_for_good() -> None:
     samples = [sample(t / 2, 60 if t < 5 else 40) for t in range(21)]
     found = judge(result(samples), phases_of("load", 10)[0])
-    assert (found.settled_s, found.left) == (2.5, 0)
+    assert (found.settled_s, found.left) == (2.0, 0), "of two seconds from then on, a quarter is over it"
     assert found.over == pytest.approx(40 / 44)
     never = judge(result([sample(t, 60) for t in range(10)]), phases_of("load", 10)[0])
     assert never.settled_s == math.inf
+    once = judge(result([sample(t / 2, 60 if t == 15 else 40) for t in range(21)]), phases_of("load", 10)[0])
+    assert once.settled_s == 0, "one picture that takes longer is no trouble"
 
 
 def test_what_swings_is_counted() -> None:
