@@ -6,6 +6,8 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
+import cv2  # noqa: F401  # the graph imports modules on the loop, where importing OpenCV for the first time would block
+
 from app.link import (
     ActuatorGroup,
     BaseLimits,

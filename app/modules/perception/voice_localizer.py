@@ -20,7 +20,8 @@ own voice is nobody's.
 ``microphones`` (2, 4, 8 ...: the number of used ones) and ``separation`` are parameters
 of the strategies for the desire LocateVoices, ``voices`` (how many are separated) of the desire itself. After a gap in
 the sound, and after a restart, all state except the track numbers is reset. Microphone positions that do not explain
-the sound (voices/array_check.py) are logged once; what is heard while the robot speaks or drives is no evidence.
+the sound (voices/array_check.py) are logged once; what is heard while the robot speaks or drives, or while its motion
+is not known, is no evidence.
 """
 
 from __future__ import annotations
@@ -224,7 +225,7 @@ class VoiceLocalizer(Module):
         self._stamp, self._first_sample = stamp + pipeline.step / rate, first_sample + pipeline.step
         heading = await self._heading_at(pipeline.instant(stamp))
         speaks = self._own_voice is not None and self._own_voice.needed
-        drives = pipeline.instant(stamp) - self._moved < _ROLLS_OUT_S
+        drives = self._poses.late or pipeline.instant(stamp) - self._moved < _ROLLS_OUT_S
         process = partial(pipeline.process, own_noise=speaks or drives)
         sources, separated = await self.compute(process, block, stamp, first_sample, heading)
         self.persistent[_NEXT_TRACK] = pipeline.next_track

@@ -215,3 +215,14 @@ def test_what_is_heard_while_the_robot_drives_is_no_evidence_against_its_microph
 
     run_virtual(main())
     assert doubts(caplog) == 0
+
+
+def test_nor_is_what_is_heard_while_nothing_is_known_of_its_motion(
+    two_talkers: NDArray[np.int16], caplog: pytest.LogCaptureFixture
+) -> None:
+    async def main() -> None:
+        async with bench(separation=False, speech=False) as b:
+            await say(b, two_talkers[:, EXCHANGED], pose=None)
+
+    run_virtual(main())
+    assert doubts(caplog) == 0
