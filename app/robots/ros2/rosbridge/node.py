@@ -194,6 +194,11 @@ class RosbridgeNode(BodyNode):
                 self._take_published(message.get("topic"), message.get("msg"))
             case "status":
                 self._take_status(message)
+            case "fragment":
+                self._caution(
+                    f"rosbridge at {self._url} sends large messages in fragments, which are not read: choose "
+                    "compressed pictures"
+                )
 
     def _take_other(self, message: dict[str, Any]) -> None:
         if message.get("op") == "service_response":

@@ -85,10 +85,19 @@ async def test_whatever_goes_wrong_with_the_robot_its_base_stops(
         robot.fault("odometry on")
         # Frames that are no messages of the protocol end nothing
         await driver.set_out()
-        for frame in ("no JSON", "[1, 2]", "{}", '{"op": "publish"}', '{"op": "status", "level": "error", "msg": 7}'):
+        for frame in (
+            "no JSON",
+            "[1, 2]",
+            "{}",
+            '{"op": "fragment"}',
+            '{"op": "publish"}',
+            '{"op": "status", "level": "error", "msg": 7}',
+        ):
             robot.fault(f"say {frame}")
         robot.fault('say {"op": "publish", "topic": "/odom", "msg": {"header": {"stamp": "noon"}}}')
         await driver.wait_for("a wrong field", lambda _: "builtin_interfaces/Time" in caplog.text)
+        assert "sent what cannot be read: it is no JSON" in caplog.text
+        assert "sends large messages in fragments" in caplog.text
         await driver.set_out()
         # Its clock is set
         robot.fault("clock 3600")
