@@ -5,11 +5,14 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Awaitable, Callable
+from http import HTTPStatus
 from typing import Any
 
 import pytest
 from websockets.asyncio.server import ServerConnection, serve
+from websockets.http11 import Request, Response
 
+from app.robots.ros2.rosbridge import connection
 from app.robots.ros2.rosbridge.connection import Connection
 from app.robots.ros2.rosbridge.rosapi import Rosapi
 from app.runtime.clock import run_virtual
@@ -28,10 +31,12 @@ class Held:
         self.said: list[str] = []
         self.problems: list[str] = []
         self.url = ""
+        #: What it answers in place of opening.
+        self.status: HTTPStatus | None = None
 
     async def run(self) -> None:
         """Hold it."""
-        async with serve(self._answer, "127.0.0.1", 0, process_request=self._asked) as server:
+        async with serve(self._answer, "127.0.0.1", 0, process_request=self._asked, close_timeout=0.1) as server:
             self.url = f"ws://127.0.0.1:{next(iter(server.sockets)).getsockname()[1]}"
             self.connection = Connection(
                 self.url, 1 << 20, opened=self._open, take=self.taken.append, say=self.said.append
@@ -42,8 +47,13 @@ class Held:
             holding.cancel()
             await asyncio.gather(holding, return_exceptions=True)
 
-    def _asked(self, *_: object) -> None:
+    def _asked(self, websocket: ServerConnection, _: Request) -> Response | None:
         self.problems.append(self.connection.problem)
+        if self.status is None:
+            return None
+        if len(self.problems) == self._times:
+            self._ended.set()
+        return websocket.respond(self.status, "")
 
     def _open(self) -> None:
         for number in range(3):
@@ -79,6 +89,31 @@ async def test_a_message_that_is_too_large_is_not_taken() -> None:
     await held.run()
     assert held.problems[1].endswith("it sent a message of more than 1 MiB")
     assert held.taken == []
+
+
+async def test_a_frozen_server_is_given_up_and_another_connection_tried(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(connection, "LOST_S", 0.2)
+
+    async def freeze(websocket: ServerConnection) -> None:
+        websocket.transport.pause_reading()
+        await websocket.wait_closed()
+
+    held = Held(freeze, 2)
+    await held.run()
+    assert held.problems[1] == f"rosbridge at {held.url} does not answer"
+
+
+async def test_what_is_no_websocket_is_said() -> None:
+    async def refuse(websocket: ServerConnection) -> None:
+        raise AssertionError  # it is not reached
+
+    held = Held(refuse, 2)
+    held.status = HTTPStatus.NOT_FOUND
+    await held.run()
+    assert held.problems[1] == (
+        f"rosbridge at {held.url} does not answer: it is no WebSocket of rosbridge (server rejected WebSocket "
+        "connection: HTTP 404)"
+    )
 
 
 @pytest.mark.parametrize(

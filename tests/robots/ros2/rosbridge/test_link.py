@@ -67,6 +67,15 @@ async def test_whatever_goes_wrong_with_the_robot_its_base_stops(
         assert isinstance(picture, Image)
         assert picture.color.shape == (240, 320, 3)
         assert picture.color[120, 2, 0] > 250 > 5 > picture.color[120, 2, 1]
+        driver.link.demand("camera", 0.0)
+        # Odometry begins again: what was built on it is void. The last word, whatever ended it, is zero.
+        await driver.wait_for("some way", lambda seen: np.hypot(odometry(seen).X_OB.x, odometry(seen).X_OB.y) > 0.6)
+        robot.fault("origin")
+        async with asyncio.timeout(PATIENCE_S):
+            failure = await driver.link.wait_failed()
+        assert str(failure) == "The robot's odometry jumped: it began again, and what was built on it is void."
+        await stands(robot)
+        await driver.link.start()
         # No command any more, then an emergency stop though commands go on
         driver.commands = False
         await driver.stopped_for("no fresh command")
@@ -110,7 +119,7 @@ async def test_whatever_goes_wrong_with_the_robot_its_base_stops(
         await driver.stopped_for(gone)
         robot.fault("bridge on")
         await driver.set_out()
-        # Its computer freezes, beyond the time after which the connection is given up, and thaws
+        # Its computer freezes, and thaws while there is no command
         os.kill(robot.process.pid, signal.SIGSTOP)
         try:
             await driver.stopped_for(gone)
@@ -118,27 +127,14 @@ async def test_whatever_goes_wrong_with_the_robot_its_base_stops(
         finally:
             os.kill(robot.process.pid, signal.SIGCONT)
         await stands(robot)
-        await driver.set_out()
-    # The last word was zero
-    await stands(robot)
-    # It is started again, as the program does; odometry begins again
-    async with driver:
-        await driver.set_out()
-        await driver.wait_for("some way", lambda seen: np.hypot(odometry(seen).X_OB.x, odometry(seen).X_OB.y) > 0.6)
-        robot.fault("origin")
-        async with asyncio.timeout(PATIENCE_S):
-            failure = await driver.link.wait_failed()
-        assert str(failure) == "The robot's odometry jumped: it began again, and what was built on it is void."
-        await stands(robot)
-        await driver.link.start()
+        # It dies
         await driver.set_out()
         os.kill(robot.process.pid, signal.SIGKILL)
         await driver.stopped_for(f"{gone}: nothing listens there")
     with pytest.raises(LinkFailed) as refused:
         await Ros2Driver(mapping(robot.url, found_within_s=0.5)).link.start()
-    assert str(refused.value) == (
-        f"TurtleBot 4 was not found within 0.5 s: {gone}: nothing listens there. Topics that are there: none."
-    )
+    assert str(refused.value).startswith(f"TurtleBot 4 was not found within 0.5 s: {gone}")
+    assert str(refused.value).endswith(". Topics that are there: none.")
 
 
 HEAD = f"""\

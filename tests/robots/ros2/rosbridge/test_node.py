@@ -14,6 +14,7 @@ from websockets.exceptions import ConnectionClosed
 from app.base.kinematic_model import load_model
 from app.robots.guard import BaseVelocity
 from app.robots.ros2.health import faults
+from app.robots.ros2.rosbridge import connection
 from app.robots.ros2.rosbridge.node import RosbridgeNode
 from tests.patience import PATIENCE_S
 from tests.robots.ros2.robot import MAPPING
@@ -59,7 +60,11 @@ async def test_nothing_that_is_large_or_slow_comes_before_commands_and_odometry(
     loop = asyncio.get_running_loop()
     async with serve(recorder.serve, "127.0.0.1", 0) as server:
         url = f"ws://127.0.0.1:{next(iter(server.sockets)).getsockname()[1]}"
-        node = RosbridgeNode(mapping(url), MODEL, 0.0, lambda: loop.call_soon_threadsafe(recorder.changed.set))
+
+        def wake() -> None:
+            loop.call_soon_threadsafe(recorder.changed.set)
+
+        node = RosbridgeNode(mapping(url), MODEL, 0.0, wake)
         node.want(frozenset({"camera", "hokuyo"}))
         assert node.required[0].problem == f"rosbridge at {url} does not answer"
         node.start()
@@ -86,3 +91,33 @@ async def test_nothing_that_is_large_or_slow_comes_before_commands_and_odometry(
         await asyncio.to_thread(node.close)
         published = [message for message in recorder.asked[1 - pictures] if message["op"] == "publish"]
         assert published[-1]["msg"]["twist"]["linear"]["x"] == 0.0
+
+
+@pytest.mark.blocking(reason="reads a mapping before anything is on the loop")
+async def test_a_server_that_gives_and_does_not_take_forbids_driving(monkeypatch: pytest.MonkeyPatch) -> None:
+    # What is heard stays fresh, and the connection is not given up: the answers alone are late.
+    monkeypatch.setattr(connection, "LOST_S", PATIENCE_S)
+    changed = asyncio.Event()
+
+    async def give(websocket: ServerConnection) -> None:
+        await websocket.recv()
+        websocket.transport.pause_reading()
+        while True:
+            await websocket.send("{}")
+            changed.set()
+            await asyncio.sleep(0.05)
+
+    async with serve(give, "127.0.0.1", 0, close_timeout=0.1) as server:
+        url = f"ws://127.0.0.1:{next(iter(server.sockets)).getsockname()[1]}"
+        config = mapping(url)
+        patient = config.limits.model_copy(update={"sensor_timeout_s": PATIENCE_S})
+        node = RosbridgeNode(config.model_copy(update={"limits": patient}), MODEL, 0.0, lambda: None)
+        node.start()
+        seen: list[str] = []
+        async with asyncio.timeout(PATIENCE_S):
+            while seen[-2:] != ["", f"rosbridge at {url} does not answer"]:
+                changed.clear()
+                await changed.wait()
+                problem = node.required[0].problem
+                seen += [problem] if not seen or seen[-1] != problem else []
+        await asyncio.to_thread(node.close)
