@@ -8,25 +8,30 @@ import os
 import select
 import sys
 import time
+from collections.abc import Callable
 from dataclasses import replace
+from typing import TypeAlias
 
-from app.base.kinematic_model import load_model
+from app.base.kinematic_model import KinematicModel, load_model
 from app.messages import Image, JointState
 from app.robots import guard
 from app.robots.body_process import Unavailable
 from app.robots.guarded_base import GuardedBase
 from app.robots.guarded_joints import GuardedJoints
 from app.robots.link_protocol import Demand, Ready, Sample, Socket, Stop
+from app.robots.ros2.body_node import BodyNode
 from app.robots.ros2.config import STATUS_HZ, Ros2Config
 from app.robots.ros2.health import fault, faults
-from app.robots.ros2.node import RosNode
 from app.robots.ros2.protocol import Start
+
+MakeNode: TypeAlias = Callable[[Ros2Config, KinematicModel, float, Callable[[], None]], BodyNode]
+"""Makes a node, with the arguments of :class:`app.robots.ros2.body_node.BodyNode`."""
 
 
 class BodyLoop:
-    """The robot of ``start`` for the program at the other end of ``sock``."""
+    """The robot of ``start``, by the node that ``make_node`` makes, for the program at the other end of ``sock``."""
 
-    def __init__(self, start: Start, sock: Socket) -> None:
+    def __init__(self, make_node: MakeNode, start: Start, sock: Socket) -> None:
         config = start.config
         self._config: Ros2Config = config
         self._socket = sock
@@ -39,8 +44,8 @@ class BodyLoop:
         os.set_blocking(self._wake_write, False)
         model = load_model(config.model)
         self._unmoved = dict.fromkeys(model.joint_names, 0.0)
-        self._node = RosNode(config, model, start.clock_offset, self._wake)
-        self._node.wanted = frozenset(start.demanded)
+        self._node = make_node(config, model, start.clock_offset, self._wake)
+        self._node.want(frozenset(start.demanded))
         self._joints = GuardedJoints(config.groups.values())
         self._joints_due = dict.fromkeys(config.groups, 0.0)
         self._reported = self._moved = 0.0
@@ -52,7 +57,7 @@ class BodyLoop:
         self._wake()
 
     def run(self) -> None:
-        """Run until the end. Raises Unavailable, having stopped the base, and errors of rclpy's thread."""
+        """Run until the end. Raises Unavailable, having stopped the base, and errors of the node's thread."""
         began = time.monotonic()
         self._node.start()
         try:
@@ -129,12 +134,12 @@ class BodyLoop:
                 self._joints_due[name] = monotonic + 1.0 / self._config.joint_commands[name].hz
 
     def _ended(self) -> bool:
-        """Read what the program sent; whether it is over. Raises Unavailable and errors of rclpy's thread."""
+        """Read what the program sent; whether it is over. Raises Unavailable and errors of the node's thread."""
         for frame in self._socket.receive():
             match frame:
                 case Demand(stream, rate_hz):
                     wanted = self._node.wanted - {stream}
-                    self._node.wanted = wanted | {stream} if rate_hz > 0 else wanted
+                    self._node.want(wanted | {stream} if rate_hz > 0 else wanted)
                 case Stop():
                     self._ending = True
                 case _:

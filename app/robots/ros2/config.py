@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 from typing import Annotated, Final, Literal, Self
+from urllib.parse import urlsplit
 
 from pydantic import AfterValidator, Field, PrivateAttr, field_validator, model_validator
 
@@ -34,6 +35,8 @@ POSITIONS: Final = "std_msgs/msg/Float64MultiArray"
 JOINT_TYPES = (TRAJECTORY, POSITIONS)
 TRANSFORMS = "tf2_msgs/msg/TFMessage"
 CAMERA_INFO = "sensor_msgs/msg/CameraInfo"
+#: The name of the subscription to simulated time.
+CLOCK = "clock"
 #: The streams of pictures, and the topics beside theirs: names are ``stream.part``.
 CAMERAS = ("camera", "kinect")
 INFO, DEPTH = "info", "depth"
@@ -52,6 +55,18 @@ def _is_topic(name: str) -> str:
 Topic = Annotated[str, AfterValidator(_is_topic)]
 
 
+def _is_rosbridge(url: str) -> str:
+    try:
+        parts = urlsplit(url)
+        host = (parts.hostname or "").encode("idna")  # as it is when its address is looked up
+        complete = parts.scheme in ("ws", "wss") and bool(host) and parts.port is not None
+    except ValueError:  # of the port, or the name
+        complete = False
+    if not complete or parts.username is not None or parts.query or parts.fragment or not url.isascii():
+        raise ValueError(f"{url!r} is no ws://HOST:PORT or wss://HOST:PORT, with a path where it has one")
+    return url
+
+
 class GraphConfig(ConfigModel):
     """Where the robot is found, and how its clock is taken.
 
@@ -66,12 +81,21 @@ class GraphConfig(ConfigModel):
     discovery: Literal["localhost", "subnet", "environment"] = Field(
         default="environment", description="how far it looks; environment: as the variables of ROS say"
     )
+    rosbridge: Annotated[str, AfterValidator(_is_rosbridge)] | None = Field(
+        default=None, description="address of the robot's rosbridge, by which it is then reached, without ROS 2 here"
+    )
     namespace: Topic | Literal[""] = Field(default="", description="before every topic that does not begin with /")
     clock: Literal["header", "sim", "arrival"] = "header"
     clock_tolerance_s: Annotated[float, Field(gt=0, le=10)] = 0.5
     found_within_s: Annotated[float, Field(gt=0, le=600)] = Field(
         default=15.0, description="how long the robot may take to appear when the program starts"
     )
+
+    @model_validator(mode="after")
+    def _is_found_one_way(self) -> Self:
+        if self.rosbridge is not None and (self.domain is not None or self.discovery != "environment"):
+            raise ValueError("domain and discovery are of ROS 2's own middleware, which rosbridge takes the place of")
+        return self
 
 
 class TopicConfig(ConfigModel):
@@ -299,6 +323,12 @@ class Ros2Config(BodyConfig):
         return {name: (self.full_name(topic), kind) for name, (topic, kind) in read.items()}
 
     @property
+    def subscriptions(self) -> dict[str, tuple[str, str]]:
+        """:attr:`readings`, and that to ``/clock`` where times are its."""
+        clock = {CLOCK: ("/clock", "rosgraph_msgs/msg/Clock")} if self.graph.clock == "sim" else {}
+        return self.readings | clock
+
+    @property
     def standing_rates_hz(self) -> tuple[float, float, float]:
         """How often the streams that every body has come: odometry, joints, status."""
         joints = self.streams.joints
@@ -321,8 +351,8 @@ class Ros2Config(BodyConfig):
 
 def load_ros2_config(path: Path | str) -> Ros2Config:
     """Read the mapping. Raises ConfigError (file, line, key), also for files that are missing, for a sensor whose link
-    the model does not have, for a laser or an inertial sensor that a joint moves, and for a camera that one moves whose
-    joints are not mapped."""
+    the model does not have, for a laser or an inertial sensor that a joint moves, for a camera that one moves whose
+    joints are not mapped, and for an action over rosbridge."""
     config = load_body_config(path, Ros2Config)
     document = load_yaml(path)
     config._document = Document(None, document.file, document.lines)
@@ -340,6 +370,11 @@ def load_ros2_config(path: Path | str) -> Ros2Config:
             raise config.mistake(
                 f"the joint {joints[0]!r} of the model moves {camera.link!r}; its position is needed: map joints",
                 *("streams", name, "link"),
+            )
+    for name, commands in config.joint_commands.items():
+        if config.graph.rosbridge is not None and commands.action is not None:
+            raise config.mistake(
+                "over rosbridge set-points go to topics alone: name a topic", "joint_commands", name, "action"
             )
     return config
 

@@ -20,14 +20,14 @@ class Seen:
 
     ``last``: arrival of its newest usable message, None before the first. ``problem``: why the newest message, or the
     topic itself, is not usable; "" if it is. ``others``: how many publishers it has (subscribers, of a topic for
-    commands).
+    commands); None where that is unknown.
     """
 
     name: str
     topic: str
     last: float | None = None
     problem: str = ""
-    others: int = 0
+    others: int | None = 0
 
 
 def fault(seen: Seen, now: float, timeout_s: float) -> str:
@@ -37,6 +37,8 @@ def fault(seen: Seen, now: float, timeout_s: float) -> str:
     if seen.last is not None and now - seen.last <= timeout_s:
         return ""
     given = "nothing yet" if seen.last is None else f"nothing for {now - seen.last:.1f} s"
+    if seen.others is None:
+        return f"{seen.name} has given {given} on {seen.topic}"
     if seen.others == 0:
         return f"{seen.name} has given {given}: {seen.topic} has no publisher"
     return f"{seen.name} has given {given}: {seen.topic} has a publisher, which is silent"

@@ -15,7 +15,7 @@ from app.logs.ros.live.blank import blank
 from app.logs.ros.live.joint_trajectory_action import FOLLOW, follow_joint_trajectory
 from app.robots.ros2.config import JointTopicConfig, Ros2Config
 from app.robots.ros2.goals import Goals
-from app.robots.ros2.joint_commands import trajectory
+from app.robots.ros2.joint_messages import trajectory
 
 _SEND = f"{FOLLOW}_SendGoal"
 

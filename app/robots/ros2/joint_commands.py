@@ -1,4 +1,4 @@
-"""Set-points of joints to controllers of ros2_control: the messages, and their publishers."""
+"""Set-points of joints to controllers of ros2_control: the publishers of rclpy."""
 
 from __future__ import annotations
 
@@ -6,43 +6,16 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
 from rclpy.node import Node
 from rclpy.qos import HistoryPolicy, QoSProfile, ReliabilityPolicy
 
-from app.logs.ros import typestore
 from app.logs.ros.live.classes import message_class
-from app.logs.stamps import to_ns
-from app.robots.ros2.config import TRAJECTORY, JointTopicConfig, Ros2Config
+from app.robots.ros2.config import JointTopicConfig, Ros2Config
 from app.robots.ros2.health import Seen, unheard
+from app.robots.ros2.joint_messages import encoded
 
-#: A point of a trajectory is reached so many periods after it was sent: the next is there before.
-_PERIODS_AHEAD = 2
 #: An older set-point is worth nothing.
 _NEWEST = QoSProfile(history=HistoryPolicy.KEEP_LAST, depth=1, reliability=ReliabilityPolicy.RELIABLE)
-
-
-def trajectory(names: tuple[str, ...], positions: NDArray[np.float64], rate_hz: float) -> Any:
-    """A trajectory_msgs/JointTrajectory of one point, that joints ``names`` are at ``positions`` (rad, m) two periods
-    of ``rate_hz`` later."""
-    none = np.zeros(0)
-    within = typestore.make("builtin_interfaces/msg/Duration", *divmod(to_ns(_PERIODS_AHEAD / rate_hz), 10**9))
-    point = typestore.make("trajectory_msgs/msg/JointTrajectoryPoint", positions, none, none, none, within)
-    # A stamp of zero: it begins as it arrives, whatever the two clocks say.
-    return typestore.make(
-        TRAJECTORY, typestore.make("std_msgs/msg/Header", typestore.time(0), ""), list(names), [point]
-    )
-
-
-def encoded(topic: JointTopicConfig, names: tuple[str, ...], positions: tuple[float, ...]) -> bytes:
-    """The CDR of the message of ``topic`` that sends joints ``names`` to ``positions`` (rad, m)."""
-    numbers = np.array(positions, np.float64)
-    if topic.type != TRAJECTORY:
-        layout = typestore.make("std_msgs/msg/MultiArrayLayout", [], 0)
-        return typestore.serialise(topic.type, layout, numbers)
-    made = trajectory(names, numbers, topic.hz)
-    return typestore.serialise(topic.type, made.header, made.joint_names, made.points)
 
 
 class JointCommands:

@@ -26,8 +26,8 @@ _TYPES: dict[str, type[Any]] = {
 
 
 class Ros2Link(ProcessLink):
-    """Implements ``app.link.RobotLink``; ``clock_offset`` (s) makes the robot's clock of ``time.monotonic()``. A topic
-    that is not wanted has no subscription."""
+    """Implements ``app.link.RobotLink``, over ROS 2 or rosbridge; ``clock_offset`` (s) makes the robot's clock of
+    ``time.monotonic()``. A topic that is not wanted has no subscription."""
 
     def __init__(self, config: Ros2Config, clock_offset: float) -> None:
         def begin(demanded: Mapping[str, float], e_stop: str | None) -> Start:
@@ -35,7 +35,8 @@ class Ros2Link(ProcessLink):
 
         within_s = START_TIMEOUT_S + config.graph.found_within_s
         where = environment(config.graph.discovery)
-        super().__init__(describe(config), "app.robots.ros2.process", begin, within_s, environment=where)
+        module = "app.robots.ros2.process" if config.graph.rosbridge is None else "app.robots.ros2.rosbridge.process"
+        super().__init__(describe(config), module, begin, within_s, environment=where)
 
 
 def describe(config: Ros2Config) -> RobotDescription:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import sys
+from functools import partial
 
 from app.logs.ros.live.graph import MISSING
 from app.robots.body_process import Loaded, Unavailable, run_body
@@ -20,9 +21,10 @@ def load() -> Loaded:
     except ImportError:
         raise Unavailable(MISSING) from None
     from app.robots.ros2.body_loop import BodyLoop
+    from app.robots.ros2.node import RosNode
     from app.robots.ros2.protocol import Start
 
-    return Start, BodyLoop
+    return Start, partial(BodyLoop, RosNode)
 
 
 if __name__ == "__main__":

@@ -48,45 +48,19 @@ from sensor_msgs.msg import LaserScan as RosScan
 from app.base.child_processes import end_with_parent
 from app.base.geometry import Pose2
 from app.base.kinematic_model import load_model
-from app.link import RobotLink
 from app.logs.ros.live.classes import MadeMessage, message_class
 from app.logs.stamps import SECOND, to_ns
-from app.maps.map_file import read_map
 from app.messages import JointCommand, JointState, LaserScan, Odometry
 from app.messages import Twist as Command
-from app.robots.battery_config import BatteryConfig
-from app.robots.config import StartPose
-from app.robots.factory import create_link, load_body
 from app.robots.ros2.config import TRAJECTORY, TWIST_STAMPED, Ros2Config, load_ros2_config
 from app.robots.simulated.battery import Battery
-from app.robots.simulated.kinematic.config import KinematicLaserConfig, kinematic_of
-from app.robots.simulated.kinematic.link import KinematicLink
 from app.robots.simulated.ros2_camera import CameraPublisher
 from app.robots.simulated.ros2_joint_action import JointAction
+from app.robots.simulated.ros_body import BATTERY, BATTERY_S, LOAD_W, add_options, played_body
 from app.runtime.clock import RealClock
 
-#: Robot's laser: an RPLIDAR A1's rays, all around.
-_LASER: dict[str, Any] = {"rays": 360, "fov_deg": 359.0, "range_max_m": 12.0, "range_min_m": 0.15}
 _SIM_BEGAN_S = 1000.0
-_BATTERY = BatteryConfig(capacity_wh=26.0, charge=0.9, empty_v=12.0, full_v=16.4)
 _GRAVITY = 9.81
-_LOAD_W, _BATTERY_S = 12.0, 1.0
-
-
-def _body(config: Ros2Config, options: argparse.Namespace, clock: RealClock) -> RobotLink:
-    """The body that is played: that of a file, or the mapping's own on the map."""
-    if options.body is not None:
-        return create_link(load_body(options.body), clock.offset)
-    laser = config.streams.hokuyo
-    limits = config.limits.model_copy(update={"command_timeout_s": options.watchdog})
-    x, y, heading = options.start
-    body = kinematic_of(
-        config.model_copy(update={"limits": limits}),
-        options.map,
-        StartPose(x=x, y=y, heading_deg=heading),
-        laser=None if laser is None else KinematicLaserConfig(link=laser.link, rate_hz=10, **_LASER),
-    )
-    return KinematicLink(body, read_map(body.map), clock)
 
 
 class Ros2Player:
@@ -94,7 +68,7 @@ class Ros2Player:
 
     def __init__(self, config: Ros2Config, options: argparse.Namespace) -> None:
         self._clock = RealClock()
-        self._link = _body(config, options, self._clock)
+        self._link = played_body(config, options, self._clock)
         self._sim_time = bool(options.sim_time)
         self._began = self._clock.now()
         #: By how much (s) the robot's clock is ahead.
@@ -118,7 +92,7 @@ class Ros2Player:
         self._joints = node.create_publisher(RosJointState, named.get("joints", "/joint_states"), 10)
         battery = named.get("battery", "/battery_state")
         self._batteries = node.create_publisher(RosBattery, battery, qos_profile_sensor_data)
-        self._battery = Battery(_BATTERY)
+        self._battery = Battery(BATTERY)
         self._drawn = self._began
         self._ticker = node.create_publisher(Clock, "/clock", 10) if self._sim_time else None
         self._loop = asyncio.get_running_loop()
@@ -240,9 +214,9 @@ class Ros2Player:
 
     def _draw(self, now: float) -> None:
         """Discharge the battery, once a second, and say what is left."""
-        if now - self._drawn < _BATTERY_S:
+        if now - self._drawn < BATTERY_S:
             return
-        self._battery.advance(now - self._drawn, _LOAD_W, charging=False)
+        self._battery.advance(now - self._drawn, LOAD_W, charging=False)
         self._drawn = now
         state, message = self._battery.state(now), RosBattery()
         self._stamp(message.header, now)
@@ -296,16 +270,9 @@ def main() -> int:
     signal.signal(signal.SIGINT, signal.SIG_DFL)
     end_with_parent()
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--robot", type=Path, required=True, help="its mapping")
-    where = parser.add_mutually_exclusive_group(required=True)
-    where.add_argument("--map", type=Path, help="YAML file of a kept map")
-    where.add_argument("--body", type=Path, help="a simulated body, in its world")
-    parser.add_argument("--start", type=float, nargs=3, default=(0.0, 0.0, 0.0), metavar=("X", "Y", "DEGREES"))
+    add_options(parser)
     parser.add_argument("--domain", type=int, default=None, help="ROS_DOMAIN_ID")
-    parser.add_argument("--watchdog", type=float, default=0.5, help="seconds after which it stops by itself")
     parser.add_argument("--sim-time", action="store_true", help="publish /clock, and stamp by it")
-    parser.add_argument("--ahead", type=float, default=0.0, help="seconds by which its clock is ahead")
-    parser.add_argument("--log", type=Path, default=None, help="file for its true velocity")
     parser.add_argument("--goals", type=Path, default=None, help="file for what becomes of goals")
     asyncio.run(play(parser.parse_args()))
     return 0

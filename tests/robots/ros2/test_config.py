@@ -48,6 +48,16 @@ def changed(folder: Path, before: str, after: str) -> Path:
         ),
         ("clock: header", "clock: wall", "graph.clock: should be 'header', 'sim' or 'arrival', not 'wall'"),
         ("domain: null", "domain: 300", "graph.domain: should be less than or equal to 232, not 300"),
+        ("domain: null", "rosbridge: robot:9090", "graph.rosbridge: 'robot:9090' is no ws://HOST:PORT or wss://"),
+        ("domain: null", "rosbridge: ws://robot", "graph.rosbridge: 'ws://robot' is no ws://HOST:PORT or wss://"),
+        ("domain: null", "rosbridge: ws://robot:99999", "graph.rosbridge: 'ws://robot:99999' is no ws://HOST:PORT"),
+        ("domain: null", "rosbridge: ws://a..b:9090", "graph.rosbridge: 'ws://a..b:9090' is no ws://HOST:PORT"),
+        ("domain: null", "rosbridge: ws://a:b@robot:9090", "graph.rosbridge: 'ws://a:b@robot:9090' is no ws://"),
+        (
+            "domain: null",
+            "domain: 3\n  rosbridge: ws://robot:9090",
+            "graph: domain and discovery are of ROS 2's own middleware, which rosbridge takes the place of",
+        ),
         ("link: rplidar_link", "link: laser", "streams.hokuyo.link: the model"),
         ("link: rplidar_link", "link: left_wheel", "streams.hokuyo.link: the joint 'left_wheel_joint' of the model"),
         (
@@ -150,6 +160,16 @@ def test_how_far_the_process_looks(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.setenv("FASTDDS_BUILTIN_TRANSPORTS", "LARGE_DATA")
     local = load_ros2_config(changed(tmp_path, "discovery: environment", "discovery: localhost"))
     assert environment(local.graph.discovery) == {"ROS_AUTOMATIC_DISCOVERY_RANGE": "LOCALHOST"}
+
+
+def test_over_rosbridge_joints_move_by_topics_alone(tmp_path: Path) -> None:
+    groups = "actuators: {head: {joints: [left_wheel_joint]}}\njoint_commands:\n  head:\n    action: head_controller\n"
+    path = changed(tmp_path, "height_m: 0.35", groups)
+    load_ros2_config(path)
+    path.write_text(path.read_text("utf-8").replace("domain: null", "rosbridge: wss://robot:9090/bridge"), "utf-8")
+    line = 1 + path.read_text("utf-8").splitlines().index("    action: head_controller")
+    with pytest.raises(ConfigError, match=f":{line}: joint_commands.head.action: over rosbridge set-points go to"):
+        load_ros2_config(path)
 
 
 @pytest.mark.blocking(reason="reads the mapping")

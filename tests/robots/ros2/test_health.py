@@ -31,6 +31,7 @@ DRIVING = guard.accept(GuardState(), VelocityCommand(10.0, BaseVelocity(0.2)))
             "odometry has given nothing for 1.1 s: /odom has a publisher, which is silent",
         ),
         (Seen("odometry", "/odom", last=9.0), "odometry has given nothing for 1.1 s: /odom has no publisher"),
+        (Seen("odometry", "/odom", last=9.0, others=None), "odometry has given nothing for 1.1 s on /odom"),
         (Seen("odometry", "/odom", last=10.0, problem="its time is wrong"), "odometry (/odom): its time is wrong"),
         (GOOD, ""),
     ],

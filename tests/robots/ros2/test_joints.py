@@ -107,7 +107,7 @@ async def test_a_controller_goes_all_the_way_to_its_newest_set_point(robot: Robo
     """The robot's own: a computer that is late gives it no other, for what stays is not sent again."""
     import rclpy
 
-    from app.robots.ros2.joint_commands import encoded
+    from app.robots.ros2.joint_messages import encoded
 
     context = rclpy.Context()
     rclpy.init(args=["--ros-args", "--disable-external-lib-logs"], context=context, domain_id=domain())
