@@ -34,6 +34,7 @@ HURRIED = (
     "tests/remote/test_nodes.py",
     "tests/robots/devices",
     "tests/robots/replayed",
+    "tests/robots/ros2/rosbridge",
     "tests/robots/simulated/acoustics/test_link_sound.py",
     "tests/robots/simulated/test_guard_for_real.py",
     "tests/robots/simulated/test_link.py",
