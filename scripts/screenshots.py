@@ -271,7 +271,8 @@ def rehearsed(page: Page) -> None:
     page.get_by_test_id("rehearsal-result").wait_for(timeout=2 * GOING_S * 1000)
     page.get_by_test_id("rehearsal-play").click()
     moment = page.get_by_test_id("rehearsal-at")
-    moment.fill(f"{0.6 * float(moment.get_attribute('max') or 0):.1f}")
+    # As the browser itself would write it, or it is malformed: "31", not "31.0".
+    moment.fill(f"{round(0.6 * float(moment.get_attribute('max') or 0), 1):g}")
     shoot(page, "guided-rehearsal")
     page.get_by_test_id("rehearsal-close").click()
     page.get_by_test_id("tour-close").click()
