@@ -72,7 +72,7 @@ def main() -> None:
     FOLDER.mkdir(parents=True, exist_ok=True)
     for name in wanted:
         with tempfile.TemporaryDirectory() as data:
-            for kind in ("recordings", "maps", "tours"):
+            for kind in ("recordings", "maps", "tours", "tour_runs", "memory", "webhooks"):
                 os.environ[f"HBBA_{kind.upper()}"] = f"{data}/{kind}"
             take(series[name], config_dir() / "scenarios" / "lab.yaml" if name == "people" else None)
 
