@@ -56,7 +56,7 @@ from app.robots.ros2.config import TRAJECTORY, TWIST_STAMPED, Ros2Config, load_r
 from app.robots.simulated.battery import Battery
 from app.robots.simulated.ros2_camera import CameraPublisher
 from app.robots.simulated.ros2_joint_action import JointAction
-from app.robots.simulated.ros_body import BATTERY, BATTERY_S, LOAD_W, add_options, played_body
+from app.robots.simulated.ros_body import BATTERY, BATTERY_S, LOAD_W, Controllers, add_options, played_body
 from app.runtime.clock import RealClock
 
 _SIM_BEGAN_S = 1000.0
@@ -102,8 +102,7 @@ class Ros2Player:
         node.create_subscription(kind, commands, self._commanded, qos_profile_sensor_data)
         goals = None if options.goals is None else options.goals.open("w", encoding="utf-8")
         self._actions: list[JointAction] = []
-        #: By group: the newest set-point that came by a topic.
-        self._setpoints: dict[str, tuple[tuple[str, ...], tuple[float, ...]]] = {}
+        self._controllers = Controllers(self._link, self._clock)
         for group, topic in config.joint_commands.items():
             names = tuple(joint.name for joint in config.groups[group].joints)
             name = config.full_name(topic.topic or topic.action or "")
@@ -163,8 +162,7 @@ class Ros2Player:
             names, positions = tuple(message.joint_names), message.points[-1].positions
         else:
             positions = message.data
-        setpoint = names, tuple(map(float, positions))
-        self._loop.call_soon_threadsafe(lambda: self._setpoints.update({group: setpoint}))
+        self._loop.call_soon_threadsafe(self._controllers.take, group, names, tuple(map(float, positions)))
 
     def _command_joints(self, group: str, names: tuple[str, ...], positions: tuple[float, ...]) -> None:
         command = (group, names, positions)
@@ -227,8 +225,7 @@ class Ros2Player:
     def _give_joints(self, joints: JointState) -> None:
         for action in self._actions:
             action.take(joints)
-        for group, setpoint in self._setpoints.items():
-            self._link.command(JointCommand(self._clock.now(), group, *setpoint))
+        self._controllers.hold()
         message = RosJointState()
         self._stamp(message.header, joints.stamp)
         message.name, message.position = list(joints.names), list(joints.positions)

@@ -8,6 +8,7 @@ from typing import Any
 
 from app.link import RobotLink
 from app.maps.map_file import read_map
+from app.messages import JointCommand
 from app.robots.battery_config import BatteryConfig
 from app.robots.config import StartPose
 from app.robots.factory import create_link, load_body
@@ -21,6 +22,25 @@ BATTERY = BatteryConfig(capacity_wh=26.0, charge=0.9, empty_v=12.0, full_v=16.4)
 LOAD_W, BATTERY_S = 12.0, 1.0
 #: Robot's laser: an RPLIDAR A1's rays, all around.
 _LASER: dict[str, Any] = {"rays": 360, "fov_deg": 359.0, "range_max_m": 12.0, "range_min_m": 0.15}
+
+
+class Controllers:
+    """The controllers of ros2_control of the joints of ``link``: each goes to its newest set-point, all the way, and
+    stays. :meth:`hold` is called with each state of the joints."""
+
+    def __init__(self, link: RobotLink, clock: RealClock) -> None:
+        self._link = link
+        self._clock = clock
+        self._setpoints: dict[str, tuple[tuple[str, ...], tuple[float, ...]]] = {}
+
+    def take(self, group: str, names: tuple[str, ...], positions: tuple[float, ...]) -> None:
+        """Take the set-point ``positions`` (rad, m) of joints ``names``."""
+        self._setpoints[group] = names, positions
+
+    def hold(self) -> None:
+        """Command every set-point again: the body itself stops where commands do."""
+        for group, setpoint in self._setpoints.items():
+            self._link.command(JointCommand(self._clock.now(), group, *setpoint))
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:

@@ -3,8 +3,8 @@
 ``python -m app.robots.simulated.rosbridge_player --robot ROBOT.yaml --map MAP.yaml [options]``, where ROBOT is a
 mapping of kind ``ros2``, whose model, sizes and topics the robot has. It gives odometry, joints, scans, battery, and
 with ``--pictures WIDTH HEIGHT HZ`` raw pictures on the topic of ``camera``; it takes velocities, and set-points of
-joints on the topics of ``joint_commands``. With ``--ros1``, types, times and fields have the names of ROS 1. Without a
-velocity for ``--watchdog`` seconds the base stops by itself.
+joints on the topics of ``joint_commands``: it goes to the newest, all the way, and stays. With ``--ros1``, types,
+times and fields have the names of ROS 1. Without a velocity for ``--watchdog`` seconds the base stops by itself.
 
 It prints ``ready`` once it moves, and in the next line its address. Lines on its standard input are faults:
 ``odometry off``, ``odometry on``, ``clock SECONDS`` (its clock is ahead by so much from then on), ``origin`` (odometry
@@ -32,10 +32,10 @@ import numpy as np
 from app.base.child_processes import end_with_parent
 from app.base.geometry import Pose2
 from app.logs.stamps import SECOND, to_ns
-from app.messages import JointCommand, JointState, LaserScan, Odometry, Twist
+from app.messages import JointState, LaserScan, Odometry, Twist
 from app.robots.ros2.config import INFO, TRAJECTORY, TWIST_STAMPED, Ros2Config, load_ros2_config
 from app.robots.simulated.battery import Battery
-from app.robots.simulated.ros_body import BATTERY, BATTERY_S, LOAD_W, add_options, played_body
+from app.robots.simulated.ros_body import BATTERY, BATTERY_S, LOAD_W, Controllers, add_options, played_body
 from app.robots.simulated.rosbridge_server import RosbridgeServer
 from app.runtime.clock import RealClock
 
@@ -49,6 +49,7 @@ class RosbridgePlayer:
         self._clock = RealClock()
         self._config = config
         self._link = played_body(config, options, self._clock)
+        self._controllers = Controllers(self._link, self._clock)
         self._ros1 = bool(options.ros1)
         #: By how much (s) the robot's clock is ahead.
         self.ahead_s = float(options.ahead)
@@ -119,7 +120,7 @@ class RosbridgePlayer:
         positions = message["points"][-1]["positions"] if kind == TRAJECTORY else message["data"]
         if kind == TRAJECTORY:
             names = tuple(message["joint_names"])
-        self._link.command(JointCommand(self._clock.now(), group, names, tuple(map(float, positions))))
+        self._controllers.take(group, names, tuple(map(float, positions)))
 
     def _give(self, name: str, stamp: float, frame: str, fields: dict[str, Any]) -> None:
         """Publish ``fields`` under a header, on the topic of ``name``, where the mapping has it."""
@@ -172,6 +173,7 @@ class RosbridgePlayer:
         self._give("battery", now, "", unknown | known | kind | cells)
 
     def _give_joints(self, joints: JointState) -> None:
+        self._controllers.hold()
         fields = {"name": list(joints.names), "position": list(joints.positions), "velocity": [], "effort": []}
         self._give("joints", joints.stamp, "", fields)
 

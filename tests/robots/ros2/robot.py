@@ -22,6 +22,24 @@ from tests.robots.played import Driver, PlayedRobot
 from tests.robots.simulated.kinematic.rooms import kept
 
 MAPPING = paths.config_dir() / "robots" / "turtlebot4.yaml"
+#: The mapping of a robot with a head and a gripper, whose controllers take topics.
+WITH_HEAD = f"""\
+kind: ros2
+name: A robot with a head
+model: {paths.config_dir() / "robots" / "irl1_tr.urdf"}
+footprint: [[0.28, -0.28], [0.28, 0.28], [-0.28, 0.28], [-0.28, -0.28]]
+limits: {{linear_mps: 0.3, angular_radps: 1.0, linear_mps2: 0.4, angular_radps2: 2.0, required_sensors: [odometry]}}
+actuators:
+  head: {{joints: [pan_joint, tilt_joint], velocity: 1.05, acceleration: 5.8}}
+  left_gripper: {{joints: [left_gripper_joint], velocity: 0.1, acceleration: 1.0}}
+streams:
+  odometry: {{topic: odom, rate_hz: 100}}
+  joints: {{topic: joint_states, rate_hz: 30}}
+base: {{topic: cmd_vel, type: geometry_msgs/msg/TwistStamped, watchdog_s: 0.5}}
+joint_commands:
+  head: {{topic: head_controller/joint_trajectory}}
+  left_gripper: {{topic: gripper_controller/commands, type: std_msgs/msg/Float64MultiArray}}
+"""
 needs_ros2 = pytest.mark.skipif(
     importlib.util.find_spec("rclpy") is None, reason="ROS 2 is not installed: pip install 'hbba[ros2]'"
 )

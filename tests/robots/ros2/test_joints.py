@@ -9,12 +9,11 @@ from pathlib import Path
 
 import pytest
 
-from app.base import paths
 from app.logs.ros.live.classes import message_class
 from app.messages import GroupStatus, JointCommand, LinkStatus
 from app.robots.ros2.config import load_ros2_config
 from tests.patience import PATIENCE_S
-from tests.robots.ros2.robot import Robot, Ros2Driver, domain, mapping, needs_ros2
+from tests.robots.ros2.robot import WITH_HEAD, Robot, Ros2Driver, domain, mapping, needs_ros2
 
 pytestmark = [
     pytest.mark.slow,
@@ -23,29 +22,11 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore:module 'sre_:DeprecationWarning"),  # of the parser that rclpy imports
 ]
 
-MAPPING = f"""\
-kind: ros2
-name: A robot with a head
-model: {paths.config_dir() / "robots" / "irl1_tr.urdf"}
-footprint: [[0.28, -0.28], [0.28, 0.28], [-0.28, 0.28], [-0.28, -0.28]]
-limits: {{linear_mps: 0.3, angular_radps: 1.0, linear_mps2: 0.4, angular_radps2: 2.0, required_sensors: [odometry]}}
-actuators:
-  head: {{joints: [pan_joint, tilt_joint], velocity: 1.05, acceleration: 5.8}}
-  left_gripper: {{joints: [left_gripper_joint], velocity: 0.1, acceleration: 1.0}}
-streams:
-  odometry: {{topic: odom, rate_hz: 100}}
-  joints: {{topic: joint_states, rate_hz: 30}}
-base: {{topic: cmd_vel, type: geometry_msgs/msg/TwistStamped, watchdog_s: 0.5}}
-joint_commands:
-  head: {{topic: head_controller/joint_trajectory}}
-  left_gripper: {{topic: gripper_controller/commands, type: std_msgs/msg/Float64MultiArray}}
-"""
-
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
     path = tmp_path / "robot_with_head.yaml"
-    path.write_text(MAPPING, "utf-8")
+    path.write_text(WITH_HEAD, "utf-8")
     return path
 
 

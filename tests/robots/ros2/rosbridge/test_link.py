@@ -12,12 +12,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from app.base import paths
 from app.link import LinkFailed
 from app.messages import Image, JointCommand, JointState, LaserScan, LinkStatus
 from tests.patience import PATIENCE_S
 from tests.robots.played import odometry
-from tests.robots.ros2.robot import MAPPING, Ros2Driver
+from tests.robots.ros2.robot import MAPPING, WITH_HEAD, Ros2Driver
 from tests.robots.ros2.rosbridge.robot import RosbridgeRobot, mapping
 
 pytestmark = [
@@ -137,23 +136,7 @@ async def test_whatever_goes_wrong_with_the_robot_its_base_stops(
     assert str(refused.value).endswith(". Topics that are there: none.")
 
 
-HEAD = f"""\
-kind: ros2
-name: A robot with a head
-model: {paths.config_dir() / "robots" / "irl1_tr.urdf"}
-footprint: [[0.28, -0.28], [0.28, 0.28], [-0.28, 0.28], [-0.28, -0.28]]
-limits: {{linear_mps: 0.3, angular_radps: 1.0, linear_mps2: 0.4, angular_radps2: 2.0, required_sensors: [odometry]}}
-actuators:
-  head: {{joints: [pan_joint, tilt_joint], velocity: 1.05, acceleration: 5.8}}
-  left_gripper: {{joints: [left_gripper_joint], velocity: 0.1, acceleration: 1.0}}
-streams:
-  odometry: {{topic: odom, rate_hz: 100}}
-  joints: {{topic: joint_states, rate_hz: 30}}
-base: {{topic: cmd_vel, type: geometry_msgs/msg/Twist, watchdog_s: 0.5}}
-joint_commands:
-  head: {{topic: head_controller/joint_trajectory}}
-  left_gripper: {{topic: gripper_controller/commands, type: std_msgs/msg/Float64MultiArray}}
-"""
+HEAD = WITH_HEAD.replace("TwistStamped", "Twist")
 
 
 async def test_a_robot_of_ros_1_drives_and_turns_its_head(
